@@ -1,0 +1,123 @@
+//! The map that is inspected: unit normals of the base level, how they were read, and what was odd about them.
+//!
+//! Coordinates: `x` runs right and `y` runs down from the top-left texel, as in the image file. A normal is in
+//! tangent space: `+x` right, `+y` up the image, `+z` out of it, whatever the file's own green convention was.
+
+pub mod decode;
+pub mod diagnose;
+pub mod height;
+pub mod procedural;
+pub mod pyramid;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::image_io::RasterImage;
+pub use diagnose::Warning;
+
+/// The convention of a file's green channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GreenChannel {
+    /// Green above one half faces the top of the image (OpenGL).
+    #[default]
+    Up,
+    /// Green above one half faces the bottom of the image (DirectX); negated on reading.
+    Down,
+}
+
+/// What lies beyond an edge of the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Addressing {
+    /// The map tiles: the opposite edge follows.
+    #[default]
+    Wrap,
+    /// The edge texel goes on for ever.
+    Clamp,
+}
+
+/// How a file is read as a normal map.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct MapOptions {
+    /// The green channel's convention.
+    pub green: GreenChannel,
+    /// What lies beyond an edge.
+    pub addressing: Addressing,
+    /// Takes z from x and y, whatever the third channel holds.
+    pub two_channel: bool,
+    /// Reads the image as heights, scaled by this factor (in texel widths per full range), instead of as normals.
+    pub height_scale: Option<f32>,
+}
+
+/// Where a map came from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MapSource {
+    /// A file on disk.
+    File(PathBuf),
+    /// One of the program's own maps, by name.
+    Bundled(&'static str),
+}
+
+/// A normal map ready to be filtered: validated once, immutable, shared by reference count.
+#[derive(Clone, Debug)]
+pub struct NormalMap {
+    /// Texels across.
+    pub width: usize,
+    /// Texels down.
+    pub height: usize,
+    /// The x components of the unit normals, row by row; an invalid texel holds the zero vector, which adds
+    /// nothing to any sum.
+    pub x: Vec<f32>,
+    /// The y components, `+y` up the image.
+    pub y: Vec<f32>,
+    /// The z components.
+    pub z: Vec<f32>,
+    /// How many texels are invalid (black, too short, or not finite).
+    pub invalid: usize,
+    /// How the file was read.
+    pub options: MapOptions,
+    /// Where it came from.
+    pub source: MapSource,
+    /// The samples as stored, for the texel read-out.
+    pub stored: Arc<RasterImage>,
+    /// What was odd about the file.
+    pub warnings: Vec<Warning>,
+}
+
+impl NormalMap {
+    /// Texels in the base level.
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// True for a map without texels, which no reader makes.
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// The unit normal of the texel at row-major `index`, or `None` where it is invalid.
+    pub fn normal(&self, index: usize) -> Option<Vec3> {
+        let normal = Vec3::new(self.x[index], self.y[index], self.z[index]);
+        (normal != Vec3::ZERO).then_some(normal)
+    }
+
+    /// The name to show: the file's, or the bundled map's.
+    pub fn name(&self) -> String {
+        match &self.source {
+            MapSource::File(path) => path.file_name().map_or_else(
+                || path.display().to_string(),
+                |name| name.to_string_lossy().into_owned(),
+            ),
+            MapSource::Bundled(name) => (*name).to_owned(),
+        }
+    }
+
+    /// Width and height of every MIP level, the base first.
+    pub fn level_sizes(&self) -> Vec<(usize, usize)> {
+        pyramid::level_sizes(self.width, self.height)
+    }
+}
