@@ -1,4 +1,12 @@
 //! What happens to a normal map when it is filtered.
 
+pub mod brdf;
+pub mod color;
+pub mod filter;
 pub mod image_io;
+pub mod lighting;
+pub mod lit_surface;
+pub mod ndf;
 pub mod normal_map;
+pub mod scene;
+pub mod sphere;

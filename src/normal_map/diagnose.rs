@@ -1,0 +1,4 @@
+//! Placeholder, replaced by the io branch.
+/// Warning.
+#[derive(Clone, Debug)]
+pub struct Warning;

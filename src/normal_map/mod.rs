@@ -108,10 +108,9 @@ impl NormalMap {
     /// The name to show: the file's, or the bundled map's.
     pub fn name(&self) -> String {
         match &self.source {
-            MapSource::File(path) => path.file_name().map_or_else(
-                || path.display().to_string(),
-                |name| name.to_string_lossy().into_owned(),
-            ),
+            MapSource::File(path) => {
+                path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+            }
             MapSource::Bundled(name) => (*name).to_owned(),
         }
     }

@@ -1,0 +1,75 @@
+//! Plain MIP mapping: the footprint's mean normal, normalised. What hardware does to any texture, and wrong for
+//! normals: every footprint shades as if it were flat.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::sampling::{Grid, trilinear};
+use super::{Filter, LocalLight, Lookup, reflect};
+use crate::brdf::{Brdf, Material};
+use crate::normal_map::NormalMap;
+use crate::normal_map::pyramid::{Footprint, Texel};
+
+/// Mean normals of every level.
+#[derive(Clone, Debug)]
+pub struct PlainMip {
+    /// The map.
+    pub map: Arc<NormalMap>,
+    /// `levels[k]`: the mean normal of each texel of level `k`, row by row, not normalised; zero where no base
+    /// texel is valid.
+    pub levels: Vec<Vec<Vec3>>,
+}
+
+impl PlainMip {
+    /// Averages every footprint of every level over its valid base texels.
+    pub fn new(map: Arc<NormalMap>) -> Self {
+        let base = (map.width, map.height);
+        let mean = |size: (usize, usize), index: usize| {
+            let footprint = Footprint::new(base, size, (index % size.0, index / size.0));
+            mean_normal(&map, &footprint).unwrap_or(DVec3::ZERO).as_vec3()
+        };
+        let levels = map
+            .level_sizes()
+            .into_iter()
+            .map(|size| (0..size.0 * size.1).into_par_iter().map(|index| mean(size, index)).collect())
+            .collect();
+        Self { map, levels }
+    }
+
+    fn grid(&self, level: usize) -> Grid {
+        let (width, height) = self.map.level_sizes()[level];
+        Grid { width, height, addressing: self.map.options.addressing }
+    }
+}
+
+/// The area-weighted mean of the footprint's valid normals, summed in f64; `None` where none is valid.
+pub fn mean_normal(map: &NormalMap, footprint: &Footprint) -> Option<DVec3> {
+    let (mut sum, mut area) = (DVec3::ZERO, 0.0);
+    for (x, y, weight) in footprint.texels() {
+        if let Some(normal) = map.normal(y * map.width + x) {
+            sum += f64::from(weight) * normal.as_dvec3();
+            area += f64::from(weight);
+        }
+    }
+    (area > 0.0).then(|| sum / area)
+}
+
+impl Filter for PlainMip {
+    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
+        let width = self.map.level_sizes()[texel.level].0;
+        let mean = self.levels[texel.level][texel.y * width + texel.x].as_dvec3();
+        brdf.zonal(mean.try_normalize().unwrap_or(DVec3::Z).dot(omega))
+    }
+
+    fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
+        let mean = trilinear(lookup.lod, self.levels.len(), |level| {
+            self.grid(level).bilinear(lookup.uv).into_iter().map(|(index, w)| w * self.levels[level][index]).sum()
+        });
+        let normal: Vec3 = mean;
+        let normal = normal.normalize_or_zero();
+        let half_cosine = normal.dot(light.half_in_tangent);
+        reflect(material, material.shininess, half_cosine, normal.dot(light.light_in_tangent))
+    }
+}

@@ -1,0 +1,80 @@
+//! The truth: the sum itself, and its supersampling over a pixel's footprint.
+//!
+//! A sample is one base texel under a jittered point of the pixel's parallelogram. The points follow Roberts' R2
+//! sequence (2018), shifted per pixel by a hash, in 32-bit integers so that the shader draws the very same ones.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec2, Vec3};
+
+use super::{Filter, LocalLight, Lookup, reflect};
+use crate::brdf::{Brdf, Material};
+use crate::ndf::Ndf;
+use crate::normal_map::pyramid::Texel;
+use crate::normal_map::{Addressing, NormalMap};
+
+/// `2^32 / p` and `2^32 / p^2` for the plastic number p: the steps of the R2 sequence.
+const R2_STEP: [u32; 2] = [3_242_174_889, 2_447_445_414];
+
+/// Supersampling of the unfiltered map.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// The map.
+    pub map: Arc<NormalMap>,
+    /// Samples per pixel.
+    pub samples: u32,
+}
+
+/// A hash of 32 bits to 32 bits: the output permutation of PCG (O'Neill 2014; Jarzynski and Olano 2020).
+fn pcg(input: u32) -> u32 {
+    let state = input.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}
+
+/// Offset of sample `index` from the pixel's centre, each component in `-0.5..0.5`, for integer pixel coordinates.
+pub fn jitter(pixel: [u32; 2], index: u32) -> Vec2 {
+    let first = pcg(pixel[0] ^ pcg(pixel[1]));
+    let seeds = [first, pcg(first)];
+    let component = |axis: usize| {
+        let bits = seeds[axis].wrapping_add(index.wrapping_mul(R2_STEP[axis]));
+        (bits >> 8) as f32 / 16_777_216.0 - 0.5
+    };
+    Vec2::new(component(0), component(1))
+}
+
+/// The base texel under `uv` along one axis of `size` texels.
+pub fn nearest_texel(coordinate: f32, size: usize, addressing: Addressing) -> usize {
+    let index = (coordinate * size as f32).floor();
+    match addressing {
+        Addressing::Wrap => (index as i64).rem_euclid(size as i64) as usize,
+        Addressing::Clamp => index.clamp(0.0, (size - 1) as f32) as usize,
+    }
+}
+
+impl Truth {
+    /// The normal under a point of the map; zero where it is invalid.
+    fn normal_at(&self, uv: Vec2) -> Vec3 {
+        let map = &self.map;
+        let x = nearest_texel(uv.x, map.width, map.options.addressing);
+        let y = nearest_texel(uv.y, map.height, map.options.addressing);
+        map.normal(y * map.width + x).unwrap_or(Vec3::ZERO)
+    }
+}
+
+impl Filter for Truth {
+    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
+        Ndf::of_texel(&self.map, texel).effective_brdf(brdf, omega)
+    }
+
+    fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
+        let mut sum = Vec3::ZERO;
+        for index in 0..self.samples {
+            let offset = jitter(lookup.pixel, index);
+            let normal = self.normal_at(lookup.uv + offset.x * lookup.uv_dx + offset.y * lookup.uv_dy);
+            let half_cosine = normal.dot(light.half_in_tangent);
+            sum += reflect(material, material.shininess, half_cosine, normal.dot(light.light_in_tangent));
+        }
+        sum / self.samples as f32
+    }
+}

@@ -1,0 +1,116 @@
+//! Mixtures of von Mises-Fisher lobes: fitting, alignment, storage and shading.
+
+pub mod pyramid;
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec2, Vec3};
+
+use super::sampling::{Grid, trilinear};
+use super::{Filter, LocalLight, Lookup, reflect};
+use crate::brdf::{Brdf, Material};
+use crate::normal_map::pyramid::Texel;
+use crate::sphere::Mixture;
+use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
+use crate::sphere::vmf;
+
+pub use pyramid::{BaseSlots, LobePyramid, MixtureLevel};
+
+/// Which slot each slot's channels are added to before shading: the identity shows the fit as it is, anything else
+/// is a preview with fewer lobes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fold(pub [u8; MAX_LOBES]);
+
+impl Default for Fold {
+    fn default() -> Self {
+        Self(std::array::from_fn(|slot| slot as u8))
+    }
+}
+
+/// Shading by the lobes at hand.
+#[derive(Clone, Debug)]
+pub struct VmfFilter {
+    /// The lobes.
+    pub lobes: Arc<LobePyramid>,
+    /// How slots are merged before shading.
+    pub fold: Fold,
+}
+
+/// Stored lobes of one lookup, all slots.
+#[derive(Clone, Copy, Debug)]
+struct Slots([glam::Vec4; MAX_LOBES]);
+
+impl Slots {
+    const EMPTY: Self = Self([glam::Vec4::ZERO; MAX_LOBES]);
+}
+
+impl std::ops::Add for Slots {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self(std::array::from_fn(|slot| self.0[slot] + other.0[slot]))
+    }
+}
+
+impl std::ops::Mul<f32> for Slots {
+    type Output = Self;
+    fn mul(self, factor: f32) -> Self {
+        Self(self.0.map(|stored| stored * factor))
+    }
+}
+
+impl VmfFilter {
+    /// Interpolated lobes around `uv` in one level; nothing where the level is not fitted.
+    fn slots_at(&self, uv: Vec2, level: usize) -> Slots {
+        let map = &self.lobes.map;
+        let (width, height) = map.level_sizes()[level];
+        let grid = Grid { width, height, addressing: map.options.addressing };
+        let mut slots = Slots::EMPTY;
+        for (index, weight) in grid.bilinear(uv) {
+            if level == 0 {
+                let slot = usize::from(self.fold.0[self.lobes.base_slot(index)]);
+                slots.0[slot] += weight * glam::Vec4::from(self.lobes.base_lobe(index));
+            } else if let Some(mixtures) = self.lobes.level(level) {
+                for (slot, &stored) in mixtures.texel(index % width, index / width).iter().enumerate() {
+                    slots.0[usize::from(self.fold.0[slot])] += weight * glam::Vec4::from(stored);
+                }
+            }
+        }
+        slots
+    }
+}
+
+impl Filter for VmfFilter {
+    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
+        let mixture = self.lobes.mixture(texel).unwrap_or_default();
+        effective_brdf(&mixture, brdf, omega, crate::brdf::ConvolutionRule::default())
+    }
+
+    fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
+        let slots = trilinear(lookup.lod, self.lobes.levels(), |level| self.slots_at(lookup.uv, level));
+        slots.0.iter().filter(|stored| stored.x > EMPTY_WEIGHT).map(|&s| shade_lobe(s, light, material)).sum()
+    }
+}
+
+/// `alpha (Ks Bs(w_h . mu) + Kd) cos` of one stored lobe (Han et al. 2007, Algorithm 2), linear RGB.
+fn shade_lobe(stored: glam::Vec4, light: &LocalLight, material: &Material) -> Vec3 {
+    let weight = stored.x;
+    let resultant = stored.truncate() / weight;
+    let length = resultant.length();
+    let mu = resultant / length.max(1e-12);
+    let kappa = vmf::concentration(1.0 - f64::from(length));
+    let exponent = material.convolution.blurred_exponent(kappa, f64::from(material.shininess));
+    weight * reflect(material, exponent as f32, mu.dot(light.half_in_tangent), mu.dot(light.light_in_tangent))
+}
+
+/// `sum_j alpha_j f_j(mu_j . omega)` with each f_j blurred by its lobe, per steradian.
+pub fn effective_brdf(mixture: &Mixture, brdf: Brdf, omega: DVec3, rule: crate::brdf::ConvolutionRule) -> f64 {
+    let blurred = |kappa: f64| rule.blurred_exponent(kappa, brdf.exponent());
+    mixture
+        .lobes
+        .iter()
+        .map(|(_, lobe)| {
+            let model = crate::brdf::BlinnPhong { shininess: blurred(lobe.concentration) };
+            lobe.weight * model.zonal(lobe.mean_direction.dot(omega))
+        })
+        .sum()
+}

@@ -1,0 +1,104 @@
+//! Fitted lobes of every texel of every level, as they are stored.
+
+use std::sync::Arc;
+
+use crate::normal_map::NormalMap;
+use crate::normal_map::pyramid::Texel;
+use crate::sphere::{Mixture, StoredLobe};
+
+/// The mixtures of one level above the base.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MixtureLevel {
+    /// Texels across.
+    pub width: usize,
+    /// Texels down.
+    pub height: usize,
+    /// Slots per texel.
+    pub lobes: usize,
+    /// Texel-major: `stored[(y * width + x) * lobes + slot]`.
+    pub stored: Vec<StoredLobe>,
+}
+
+impl MixtureLevel {
+    /// A level of empty slots.
+    pub fn empty((width, height): (usize, usize), lobes: usize) -> Self {
+        Self { width, height, lobes, stored: vec![[0.0; 4]; width * height * lobes] }
+    }
+
+    /// The slots of texel `(x, y)`.
+    pub fn texel(&self, x: usize, y: usize) -> &[StoredLobe] {
+        let start = (y * self.width + x) * self.lobes;
+        &self.stored[start..start + self.lobes]
+    }
+}
+
+/// The slot that each base texel's only lobe sits in: a base texel is one normal, so its lobe is
+/// `(1, n)` there and nothing elsewhere.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BaseSlots {
+    /// Row by row, one slot per base texel.
+    pub slots: Vec<u8>,
+}
+
+/// The lobes at hand: complete, or as far as a running fit has come.
+#[derive(Clone, Debug)]
+pub struct LobePyramid {
+    /// The map that was fitted.
+    pub map: Arc<NormalMap>,
+    /// Slots of level 0; slot 0 everywhere while it is not done.
+    pub base: Option<Arc<BaseSlots>>,
+    /// `coarse[k]` holds level `k + 1`, `None` while it is not done.
+    pub coarse: Vec<Option<Arc<MixtureLevel>>>,
+}
+
+impl LobePyramid {
+    /// A pyramid of which nothing is fitted yet.
+    pub fn unfitted(map: Arc<NormalMap>) -> Self {
+        let levels = map.level_sizes().len();
+        Self { map, base: None, coarse: vec![None; levels - 1] }
+    }
+
+    /// Number of levels, the base counted.
+    pub fn levels(&self) -> usize {
+        self.coarse.len() + 1
+    }
+
+    /// The lobes of a level above the base, if they are fitted.
+    pub fn level(&self, level: usize) -> Option<&Arc<MixtureLevel>> {
+        self.coarse.get(level.checked_sub(1)?)?.as_ref()
+    }
+
+    /// The slot of a base texel's lobe.
+    pub fn base_slot(&self, index: usize) -> usize {
+        self.base.as_ref().map_or(0, |base| usize::from(base.slots[index]))
+    }
+
+    /// The lobe of a base texel, `(1, n)`; empty where the texel is invalid.
+    pub fn base_lobe(&self, index: usize) -> StoredLobe {
+        self.map.normal(index).map_or([0.0; 4], |n| [1.0, n.x, n.y, n.z])
+    }
+
+    /// The mixture of one texel, if its level is fitted.
+    pub fn mixture(&self, texel: Texel) -> Option<Mixture> {
+        if texel.level > 0 {
+            return Some(Mixture::from_stored(self.level(texel.level)?.texel(texel.x, texel.y)));
+        }
+        let index = texel.y * self.map.width + texel.x;
+        let mut stored = vec![[0.0; 4]; self.base_slot(index) + 1];
+        stored[self.base_slot(index)] = self.base_lobe(index);
+        Some(Mixture::from_stored(&stored))
+    }
+
+    /// Most slots any level at hand uses.
+    pub fn lobes(&self) -> usize {
+        self.coarse.iter().flatten().map(|level| level.lobes).max().unwrap_or(1)
+    }
+
+    /// The finest and coarsest level that can be shown: a run of fitted levels that ends at the top.
+    /// The base counts as soon as level 1 is there. `None` before anything is fitted.
+    pub fn shown_levels(&self) -> Option<(usize, usize)> {
+        let last = self.coarse.iter().rposition(Option::is_some)?;
+        let first = (0..=last).rev().take_while(|&k| self.coarse[k].is_some()).last()?;
+        Some((if first == 0 { 0 } else { first + 1 }, last + 1))
+    }
+}

@@ -1,0 +1,5 @@
+//! Lights.
+
+pub mod directional;
+
+pub use directional::DirectionalLight;

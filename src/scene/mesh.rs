@@ -1,0 +1,4 @@
+//! Triangle meshes.
+/// Mesh.
+#[derive(Clone, Debug)]
+pub struct Mesh;

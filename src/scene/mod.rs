@@ -1,0 +1,9 @@
+//! What is looked at and from where: shapes, their meshes, the camera.
+
+pub mod camera;
+pub mod mesh;
+pub mod shapes;
+
+pub use camera::Camera;
+pub use mesh::Mesh;
+pub use shapes::{Shape, ShapeKind};

@@ -1,0 +1,8 @@
+//! Mathematics on the unit sphere: directions, von Mises-Fisher lobes and mixtures of them.
+
+pub mod direction;
+pub mod mixture;
+pub mod vmf;
+
+pub use direction::Direction;
+pub use mixture::{Lobe, Mixture, StoredLobe};
