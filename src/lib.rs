@@ -3,10 +3,14 @@
 pub mod brdf;
 pub mod color;
 pub mod filter;
+pub mod gpu;
 pub mod image_io;
 pub mod lighting;
 pub mod lit_surface;
 pub mod ndf;
 pub mod normal_map;
+pub mod reference;
 pub mod scene;
 pub mod sphere;
+
+pub use egui_wgpu::wgpu;

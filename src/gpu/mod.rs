@@ -1,0 +1,3 @@
+//! Drawing on the GPU: wgpu only, no user interface.
+
+pub mod passes;
