@@ -186,11 +186,12 @@ impl SpherePass {
     }
 }
 
-/// Radius of a dot in points: its area reads as the weight, within what stays visible and apart.
+/// Radius of a dot in points: its area reads as the weight, within what stays visible and apart; many are small.
 fn point_instances(points: &[(DVec3, f64)]) -> Vec<[f32; 4]> {
     let mean = 1.0 / points.len().max(1) as f64;
+    let typical = (40.0 * mean.sqrt()).clamp(0.5, 1.8);
     let instance = |&(direction, weight): &(DVec3, f64)| {
-        let radius = (1.1 * (weight / mean).sqrt()).clamp(0.7, 3.0);
+        let radius = (typical * (weight / mean).sqrt()).clamp(0.4, 3.0);
         direction.extend(radius).as_vec4().to_array()
     };
     points.iter().take(MAX_POINTS).map(instance).collect()
