@@ -3,6 +3,7 @@
 pub mod brdf;
 pub mod color;
 pub mod filter;
+pub mod gpu;
 pub mod image_io;
 pub mod lighting;
 pub mod lit_surface;
@@ -10,3 +11,6 @@ pub mod ndf;
 pub mod normal_map;
 pub mod scene;
 pub mod sphere;
+
+/// The graphics interface, in the version that the window toolkit draws with.
+pub use egui_wgpu::wgpu;
