@@ -9,6 +9,7 @@ pub mod lighting;
 pub mod lit_surface;
 pub mod ndf;
 pub mod normal_map;
+pub mod reference;
 pub mod scene;
 pub mod sphere;
 
