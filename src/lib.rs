@@ -13,4 +13,5 @@ pub mod reference;
 pub mod scene;
 pub mod sphere;
 
+/// The graphics interface, in the version that the window toolkit draws with.
 pub use egui_wgpu::wgpu;

@@ -1,3 +1,9 @@
-//! Drawing on the GPU: wgpu only, no user interface.
+//! Everything that is drawn by a graphics adapter: which adapter, the textures, the passes and the frame.
+//!
+//! Nothing in here knows the window: the window's viewport and the command line record the same frame.
 
+pub mod context;
 pub mod passes;
+pub mod readback;
+
+pub use context::{AdapterChoice, Gpu, GpuError};

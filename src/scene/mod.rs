@@ -6,6 +6,6 @@ pub mod shapes;
 pub mod sphere_orbit;
 
 pub use camera::Camera;
-pub use mesh::Mesh;
+pub use mesh::{Mesh, Vertex};
 pub use shapes::{Shape, ShapeKind};
 pub use sphere_orbit::SphereOrbit;
