@@ -10,3 +10,5 @@ pub mod ndf;
 pub mod normal_map;
 pub mod scene;
 pub mod sphere;
+
+pub use egui_wgpu::wgpu;
