@@ -11,4 +11,3 @@ pub mod normal_map;
 pub mod scene;
 pub mod sphere;
 
-pub use egui_wgpu::wgpu;

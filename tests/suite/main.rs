@@ -1,1 +1,3 @@
-fn main() {}
+//! One binary for all laws and faces, for wgpu links slowly: a module per law or face.
+
+mod house;
