@@ -3,6 +3,7 @@
 pub mod base_slots;
 pub mod em;
 pub mod fit;
+pub mod fold;
 pub mod kernel;
 pub mod monitor;
 pub mod pyramid;
