@@ -1,1 +1,3 @@
-fn main() {}
+//! One binary for all integration tests, since linking is slow; a module for each law or face.
+
+mod opening;
