@@ -4,10 +4,12 @@ pub mod brdf;
 pub mod color;
 pub mod filter;
 pub mod image_io;
+pub mod jobs;
 pub mod lighting;
 pub mod lit_surface;
 pub mod ndf;
 pub mod normal_map;
 pub mod scene;
+pub mod session;
 pub mod sphere;
 

@@ -1,3 +1,4 @@
 //! One binary for all laws and faces, for wgpu links slowly: a module per law or face.
 
 mod house;
+mod opening;
