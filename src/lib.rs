@@ -12,4 +12,3 @@ pub mod normal_map;
 pub mod scene;
 pub mod session;
 pub mod sphere;
-
