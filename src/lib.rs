@@ -1,5 +1,6 @@
 //! What happens to a normal map when it is filtered.
 
+pub mod app;
 pub mod brdf;
 pub mod color;
 pub mod filter;

@@ -24,9 +24,7 @@ impl<'a> Ndf<'a> {
         let size = map.level_sizes()[texel.level];
         let footprint = Footprint::new((map.width, map.height), size, (texel.x, texel.y));
         let (valid, valid_area) = rows(&footprint)
-            .map(|y| {
-                row(map, &footprint, y).fold((0, 0.0), |(count, area), (_, weight)| (count + 1, area + weight))
-            })
+            .map(|y| row(map, &footprint, y).fold((0, 0.0), |(count, area), (_, weight)| (count + 1, area + weight)))
             .collect::<Vec<_>>()
             .into_iter()
             .fold((0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));

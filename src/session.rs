@@ -16,11 +16,12 @@ use crate::filter::vmf::{FitSettings, LobePyramid};
 use crate::filter::{Method, PlainMip};
 use crate::jobs::Wake;
 use crate::lit_surface::LitSurface;
+use crate::normal_map::decode::DecodeError;
 use crate::normal_map::pyramid::Texel;
 use crate::normal_map::{MapOptions, MapSource, NormalMap, procedural};
 use fitting::Fitting;
-use opening::Opening;
 pub use opening::MapRequest;
+use opening::Opening;
 
 /// What is compared on the lit surface.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -69,12 +70,12 @@ pub struct Session {
 }
 
 impl Session {
-    /// A session with the default bundled map and its fit under way; `wake` is called when news wait.
-    pub fn new(wake: Wake) -> Self {
-        Self::with_map(procedural::default_map(), wake)
+    /// A session with the default bundled map, not fitted yet; `wake` is called when news wait.
+    pub fn new(wake: Wake) -> Result<Self, DecodeError> {
+        Ok(Self::with_map(procedural::default_map()?, wake))
     }
 
-    /// A session with this map and its fit under way.
+    /// A session with this map, not fitted yet.
     pub fn with_map(map: NormalMap, wake: Wake) -> Self {
         let map = Arc::new(map);
         let mip = Arc::new(PlainMip::new(Arc::clone(&map)));
@@ -235,11 +236,8 @@ impl Session {
             log::warn!("{error}");
         }
         self.fitting.adopt(Arc::clone(&map));
-        self.selected = if map.level_sizes() == self.map.level_sizes() {
-            self.selected
-        } else {
-            default_selection(&map)
-        };
+        self.selected =
+            if map.level_sizes() == self.map.level_sizes() { self.selected } else { default_selection(&map) };
         (self.map, self.mip) = (map, mip);
         self.map_revision += 1;
         self.start_fit();

@@ -41,20 +41,10 @@ pub enum ReadImageError {
     UnsupportedFormat { name: String, format: &'static str },
     /// The format is read, but not this flavour of it.
     #[error("'{name}' is a {format} file of a kind that is not read ({feature})")]
-    UnsupportedKind {
-        name: String,
-        format: &'static str,
-        feature: &'static str,
-    },
+    UnsupportedKind { name: String, format: &'static str, feature: &'static str },
     /// The header claims more texels than are supported.
-    #[error(
-        "'{name}' claims to be {width}x{height} texels; at most {MAX_SIDE}x{MAX_SIDE} are supported"
-    )]
-    TooLarge {
-        name: String,
-        width: u64,
-        height: u64,
-    },
+    #[error("'{name}' claims to be {width}x{height} texels; at most {MAX_SIDE}x{MAX_SIDE} are supported")]
+    TooLarge { name: String, width: u64, height: u64 },
     /// The data ends before the image does.
     #[error("'{name}' is cut short: its {format} data ends before the image does")]
     Truncated { name: String, format: &'static str },
@@ -99,12 +89,7 @@ pub enum WriteImageError {
     System { name: String, cause: ErrorKind },
     /// The number of samples is not width times height times channels, or there are none.
     #[error("'{name}' cannot be written: {samples} samples do not make {width}x{height} texels")]
-    WrongLength {
-        name: String,
-        samples: usize,
-        width: usize,
-        height: usize,
-    },
+    WrongLength { name: String, samples: usize, width: usize, height: usize },
     /// The samples could not be encoded.
     #[error("'{name}' cannot be written: its texels could not be encoded as PNG")]
     Encoding { name: String },
@@ -116,9 +101,7 @@ impl WriteImageError {
         let name = name.to_owned();
         match kind {
             ErrorKind::NotFound | ErrorKind::NotADirectory => Self::NoFolder { name },
-            ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
-                Self::Permission { name }
-            }
+            ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => Self::Permission { name },
             ErrorKind::IsADirectory => Self::Folder { name },
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded => Self::DiskFull { name },
             cause => Self::System { name, cause },

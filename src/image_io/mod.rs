@@ -12,9 +12,7 @@ mod write;
 
 pub use error::{ReadImageError, WriteImageError};
 pub use read::{MAX_FILE_BYTES, MAX_SIDE, decode_bytes, read};
-pub use write::{
-    png_rgb8, write_bytes_atomically, write_png_rgb8, write_png_rgb16, write_png_rgba8,
-};
+pub use write::{png_rgb8, write_bytes_atomically, write_png_rgb8, write_png_rgb16, write_png_rgba8};
 
 /// The samples of an image, row by row from the top, the channels of a texel side by side.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,8 +109,7 @@ impl RasterImage {
     /// # Panics
     /// Outside the image, as indexing a slice does.
     pub fn sample(&self, x: usize, y: usize, channel: usize) -> f64 {
-        self.samples
-            .get((y * self.width + x) * self.channels + channel)
+        self.samples.get((y * self.width + x) * self.channels + channel)
     }
 
     /// Channels that hold colour: all but alpha.

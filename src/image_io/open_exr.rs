@@ -19,13 +19,7 @@ use super::{RasterImage, ReadImageError, SampleDepth, Samples};
 pub(super) const FORMAT: &str = "OpenEXR";
 
 /// Sets of channels that are read as colour, the fullest first.
-const COLOR_SETS: [&[&str]; 5] = [
-    &["R", "G", "B"],
-    &["X", "Y", "Z"],
-    &["R", "G"],
-    &["X", "Y"],
-    &["Y"],
-];
+const COLOR_SETS: [&[&str]; 5] = [&["R", "G", "B"], &["X", "Y", "Z"], &["R", "G"], &["X", "Y"], &["Y"]];
 
 /// Refuses no file for breaking a rule that does not matter for reading it.
 const PEDANTIC: bool = false;
@@ -48,20 +42,11 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<RasterImage, ReadImageE
     check_sampling(name, &header, &selection)?;
     let mut values = vec![0.0_f32; width * height * selection.channels.len()];
     let mut blocks = reader
-        .filter_chunks(PEDANTIC, |_, tile, block| {
-            block.layer == selection.layer && tile.is_largest_resolution_level()
-        })
+        .filter_chunks(PEDANTIC, |_, tile, block| block.layer == selection.layer && tile.is_largest_resolution_level())
         .map_err(plain)?
         .sequential_decompressor(PEDANTIC);
     while let Some(block) = blocks.decompress_next_block() {
-        store_block(
-            &block.map_err(plain)?,
-            &header,
-            &selection,
-            width,
-            &mut values,
-        )
-        .map_err(plain)?;
+        store_block(&block.map_err(plain)?, &header, &selection, width, &mut values).map_err(plain)?;
     }
     Ok(RasterImage {
         width,
@@ -89,18 +74,11 @@ fn store_block(
 ) -> Result<(), Error> {
     let stride = selection.channels.len();
     for line in block.lines(&header.channels) {
-        let Some(slot) = selection
-            .channels
-            .iter()
-            .position(|&index| index == line.location.channel)
-        else {
+        let Some(slot) = selection.channels.iter().position(|&index| index == line.location.channel) else {
             continue;
         };
         let start = line.location.position.y() * width + line.location.position.x();
-        let targets = values
-            .iter_mut()
-            .skip(start * stride + slot)
-            .step_by(stride);
+        let targets = values.iter_mut().skip(start * stride + slot).step_by(stride);
         match header.channels.list[line.location.channel].sample_type {
             SampleType::F16 => store(targets, line.read_samples::<f16>(), f32::from_f16)?,
             SampleType::F32 => store(targets, line.read_samples::<f32>(), f32::from_f32)?,
@@ -135,23 +113,16 @@ fn select(name: &str, headers: &[Header]) -> Result<Selection, ReadImageError> {
 fn select_in(layer: usize, names: &[String]) -> Option<Selection> {
     let index_of = |prefix: &str, wanted: &str| {
         let full = format!("{prefix}{wanted}");
-        names
-            .iter()
-            .position(|name| name.eq_ignore_ascii_case(&full))
+        names.iter().position(|name| name.eq_ignore_ascii_case(&full))
     };
     let prefixes: Vec<&str> = names.iter().map(|name| prefix_of(name)).collect();
     COLOR_SETS.iter().find_map(|set| {
         prefixes.iter().find_map(|prefix| {
-            let color: Option<Vec<usize>> =
-                set.iter().map(|wanted| index_of(prefix, wanted)).collect();
+            let color: Option<Vec<usize>> = set.iter().map(|wanted| index_of(prefix, wanted)).collect();
             let (mut channels, alpha) = (color?, index_of(prefix, "A"));
             channels.extend(alpha);
             let has_alpha = alpha.is_some();
-            Some(Selection {
-                layer,
-                channels,
-                has_alpha,
-            })
+            Some(Selection { layer, channels, has_alpha })
         })
     })
 }
@@ -162,12 +133,7 @@ fn prefix_of(name: &str) -> &str {
 }
 
 fn channel_names(header: &Header) -> Vec<String> {
-    header
-        .channels
-        .list
-        .iter()
-        .map(|channel| channel.name.to_string())
-        .collect()
+    header.channels.list.iter().map(|channel| channel.name.to_string()).collect()
 }
 
 fn no_color(name: &str, headers: &[Header]) -> ReadImageError {
@@ -177,53 +143,26 @@ fn no_color(name: &str, headers: &[Header]) -> ReadImageError {
     let mut names: Vec<String> = headers.iter().flat_map(channel_names).collect();
     let rest = names.len().saturating_sub(8);
     names.truncate(8);
-    let mut found = if names.is_empty() {
-        "no channels".to_owned()
-    } else {
-        names.join(", ")
-    };
+    let mut found = if names.is_empty() { "no channels".to_owned() } else { names.join(", ") };
     if rest > 0 {
         found += &format!(" and {rest} more");
     }
-    ReadImageError::NoColor {
-        name: name.to_owned(),
-        found,
-    }
+    ReadImageError::NoColor { name: name.to_owned(), found }
 }
 
-fn check_sampling(
-    name: &str,
-    header: &Header,
-    selection: &Selection,
-) -> Result<(), ReadImageError> {
+fn check_sampling(name: &str, header: &Header, selection: &Selection) -> Result<(), ReadImageError> {
     // Subsampled channels shift the bytes of all that follow them, so one anywhere in the layer counts.
-    let whole = header
-        .channels
-        .list
-        .iter()
-        .all(|channel| (channel.sampling.x(), channel.sampling.y()) == (1, 1));
-    if whole && selection.channels.len() <= 4 {
-        Ok(())
-    } else {
-        Err(unsupported(name, "subsampled channels"))
-    }
+    let whole = header.channels.list.iter().all(|channel| (channel.sampling.x(), channel.sampling.y()) == (1, 1));
+    if whole && selection.channels.len() <= 4 { Ok(()) } else { Err(unsupported(name, "subsampled channels")) }
 }
 
 fn depth_of(header: &Header, selection: &Selection) -> SampleDepth {
     let half = |&index: &usize| header.channels.list[index].sample_type == SampleType::F16;
-    if selection.channels.iter().all(half) {
-        SampleDepth::Half
-    } else {
-        SampleDepth::Float
-    }
+    if selection.channels.iter().all(half) { SampleDepth::Half } else { SampleDepth::Float }
 }
 
 fn unsupported(name: &str, feature: &'static str) -> ReadImageError {
-    ReadImageError::UnsupportedKind {
-        name: name.to_owned(),
-        format: FORMAT,
-        feature,
-    }
+    ReadImageError::UnsupportedKind { name: name.to_owned(), format: FORMAT, feature }
 }
 
 /// Puts the decoder's failure into plain words; its own text goes to the log.
@@ -233,14 +172,10 @@ fn plain_error(name: &str, error: &Error) -> ReadImageError {
     match error {
         Error::NotSupported(_) => unsupported(name, "its compression or layout"),
         // The crate turns an unexpected end of file into this very text, and keeps no other trace of it.
-        Error::Invalid(text) if text == "reference to missing bytes" => ReadImageError::Truncated {
-            name: name.to_owned(),
-            format,
-        },
-        _ => ReadImageError::Damaged {
-            name: name.to_owned(),
-            format,
-        },
+        Error::Invalid(text) if text == "reference to missing bytes" => {
+            ReadImageError::Truncated { name: name.to_owned(), format }
+        }
+        _ => ReadImageError::Damaged { name: name.to_owned(), format },
     }
 }
 
@@ -255,14 +190,8 @@ mod tests {
 
     #[test]
     fn channels_are_found_by_name_in_any_order_and_layer() {
-        assert_eq!(
-            selected(&["A", "B", "G", "R"]),
-            Some((vec![3, 2, 1, 0], true))
-        );
-        assert_eq!(
-            selected(&["depth.Z", "n.x", "n.y", "n.z"]),
-            Some((vec![1, 2, 3], false))
-        );
+        assert_eq!(selected(&["A", "B", "G", "R"]), Some((vec![3, 2, 1, 0], true)));
+        assert_eq!(selected(&["depth.Z", "n.x", "n.y", "n.z"]), Some((vec![1, 2, 3], false)));
         assert_eq!(selected(&["G", "R"]), Some((vec![1, 0], false)));
         assert_eq!(selected(&["Y"]), Some((vec![0], false)));
         assert_eq!(selected(&["Z", "id"]), None);

@@ -10,11 +10,7 @@ use super::sniff::format_name;
 use super::{MAX_FILE_BYTES, RasterImage, ReadImageError, SampleDepth, Samples};
 
 /// Decodes `bytes`, known to be in `format`, at the depth they are stored in.
-pub(super) fn decode(
-    name: &str,
-    bytes: &[u8],
-    format: ImageFormat,
-) -> Result<RasterImage, ReadImageError> {
+pub(super) fn decode(name: &str, bytes: &[u8], format: ImageFormat) -> Result<RasterImage, ReadImageError> {
     let plain = |error: ImageError| plain_error(name, format, &error);
     check_claimed_size(name, bytes, format)?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
@@ -40,11 +36,7 @@ pub(super) fn decode(
     })
 }
 
-fn read_samples(
-    decoder: impl ImageDecoder,
-    color: ColorType,
-    texels: usize,
-) -> Result<Samples, ImageError> {
+fn read_samples(decoder: impl ImageDecoder, color: ColorType, texels: usize) -> Result<Samples, ImageError> {
     let count = texels * usize::from(color.channel_count());
     Ok(match color {
         ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
@@ -77,18 +69,12 @@ fn depth_of(samples: &Samples) -> SampleDepth {
 fn check_claimed_size(name: &str, bytes: &[u8], format: ImageFormat) -> Result<(), ReadImageError> {
     let word = |at: usize, big: bool| {
         let word: [u8; 4] = bytes.get(at..at + 4)?.try_into().ok()?;
-        Some(u64::from(if big {
-            u32::from_be_bytes(word)
-        } else {
-            u32::from_le_bytes(word)
-        }))
+        Some(u64::from(if big { u32::from_be_bytes(word) } else { u32::from_le_bytes(word) }))
     };
     let claim = match format {
         ImageFormat::Png => word(16, true).zip(word(20, true)),
         // A BMP counts its rows downwards when the height is negative.
-        ImageFormat::Bmp => {
-            word(18, false).zip(word(22, false).map(|height| height.min((1 << 32) - height)))
-        }
+        ImageFormat::Bmp => word(18, false).zip(word(22, false).map(|height| height.min((1 << 32) - height))),
         _ => None,
     };
     match claim {
@@ -105,10 +91,7 @@ fn jpeg_is_complete(bytes: &[u8]) -> bool {
 }
 
 fn truncated(name: &str, format: ImageFormat) -> ReadImageError {
-    ReadImageError::Truncated {
-        name: name.to_owned(),
-        format: format_name(format),
-    }
+    ReadImageError::Truncated { name: name.to_owned(), format: format_name(format) }
 }
 
 /// Puts a decoder's failure into plain words; its own text goes to the log.
@@ -119,11 +102,9 @@ fn plain_error(name: &str, format: ImageFormat, error: &ImageError) -> ReadImage
     }
     let (name, format) = (name.to_owned(), format_name(format));
     match error {
-        ImageError::Unsupported(_) => ReadImageError::UnsupportedKind {
-            name,
-            format,
-            feature: "its compression or sample layout",
-        },
+        ImageError::Unsupported(_) => {
+            ReadImageError::UnsupportedKind { name, format, feature: "its compression or sample layout" }
+        }
         _ => ReadImageError::Damaged { name, format },
     }
 }

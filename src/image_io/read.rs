@@ -21,10 +21,7 @@ pub const MAX_FILE_BYTES: u64 = 2 << 30;
 /// One sentence that names the file and the cause; see [`ReadImageError`].
 pub fn read(path: &Path) -> Result<RasterImage, ReadImageError> {
     if path == Path::new("-") {
-        return decode_bytes(
-            "standard input",
-            &read_all("standard input", std::io::stdin().lock())?,
-        );
+        return decode_bytes("standard input", &read_all("standard input", std::io::stdin().lock())?);
     }
     let name = path.display().to_string();
     let refused = |error: std::io::Error| ReadImageError::from_io(&name, error.kind());
@@ -54,10 +51,7 @@ pub fn decode_bytes(name: &str, bytes: &[u8]) -> Result<RasterImage, ReadImageEr
     let format = match sniff(name, bytes) {
         Content::Image(format) => format,
         Content::Unsupported(format) => {
-            return Err(ReadImageError::UnsupportedFormat {
-                name: owned(),
-                format,
-            });
+            return Err(ReadImageError::UnsupportedFormat { name: owned(), format });
         }
         Content::PlainText => return Err(ReadImageError::PlainText { name: owned() }),
         Content::Unknown => return Err(ReadImageError::UnknownFormat { name: owned() }),
@@ -67,10 +61,7 @@ pub fn decode_bytes(name: &str, bytes: &[u8]) -> Result<RasterImage, ReadImageEr
             Format::OpenExr => open_exr::FORMAT,
             Format::Pixels(format) => format_name(format),
         };
-        Err(ReadImageError::Damaged {
-            name: owned(),
-            format,
-        })
+        Err(ReadImageError::Damaged { name: owned(), format })
     })
 }
 
@@ -88,9 +79,7 @@ fn read_all(name: &str, source: impl Read) -> Result<Vec<u8>, ReadImageError> {
         .read_to_end(&mut bytes)
         .map_err(|error| ReadImageError::from_io(name, error.kind()))?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(ReadImageError::TooLong {
-            name: name.to_owned(),
-        });
+        return Err(ReadImageError::TooLong { name: name.to_owned() });
     }
     Ok(bytes)
 }
@@ -108,10 +97,6 @@ pub(super) fn check_size(
     }
     match (usize::try_from(width), usize::try_from(height)) {
         (Ok(w), Ok(h)) if w <= MAX_SIDE && h <= MAX_SIDE => Ok((w, h)),
-        _ => Err(ReadImageError::TooLarge {
-            name,
-            width,
-            height,
-        }),
+        _ => Err(ReadImageError::TooLarge { name, width, height }),
     }
 }

@@ -48,13 +48,9 @@ pub(super) fn sniff(name: &str, bytes: &[u8]) -> Content {
         return Content::Unsupported(format);
     }
     match image::guess_format(bytes) {
-        Ok(format @ (F::Png | F::Jpeg | F::WebP | F::Tiff | F::Bmp | F::Hdr)) => {
-            Content::Image(Format::Pixels(format))
-        }
+        Ok(format @ (F::Png | F::Jpeg | F::WebP | F::Tiff | F::Bmp | F::Hdr)) => Content::Image(Format::Pixels(format)),
         Ok(F::Avif) => Content::Unsupported("AVIF"),
-        _ if bytes.ends_with(TGA_FOOTER) || is_tga(name, bytes) => {
-            Content::Image(Format::Pixels(F::Tga))
-        }
+        _ if bytes.ends_with(TGA_FOOTER) || is_tga(name, bytes) => Content::Image(Format::Pixels(F::Tga)),
         _ if is_text(bytes) => Content::PlainText,
         _ => Content::Unknown,
     }
@@ -62,12 +58,9 @@ pub(super) fn sniff(name: &str, bytes: &[u8]) -> Content {
 
 /// True where the name says TGA and the image type and depth of the header are ones the format has.
 fn is_tga(name: &str, bytes: &[u8]) -> bool {
-    let extension = Path::new(name)
-        .extension()
-        .and_then(|extension| extension.to_str());
+    let extension = Path::new(name).extension().and_then(|extension| extension.to_str());
     let named = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("tga"));
-    let header = bytes.len() < 18
-        || matches!(bytes[2], 1..=3 | 9..=11) && matches!(bytes[16], 8 | 15 | 16 | 24 | 32);
+    let header = bytes.len() < 18 || matches!(bytes[2], 1..=3 | 9..=11) && matches!(bytes[16], 8 | 15 | 16 | 24 | 32);
     named && header && !is_text(bytes)
 }
 
@@ -107,10 +100,7 @@ mod tests {
     #[test]
     fn the_content_counts_and_not_the_name() {
         assert_eq!(sniff("a.png", b"once upon a time"), Content::PlainText);
-        assert_eq!(
-            sniff("a.txt", b"\x89PNG\r\n\x1a\n"),
-            Content::Image(Format::Pixels(image::ImageFormat::Png))
-        );
+        assert_eq!(sniff("a.txt", b"\x89PNG\r\n\x1a\n"), Content::Image(Format::Pixels(image::ImageFormat::Png)));
         assert_eq!(sniff("a.png", b"DDS \0\0"), Content::Unsupported("DDS"));
         assert_eq!(sniff("a.png", &[7, 0, 1, 2]), Content::Unknown);
     }

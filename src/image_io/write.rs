@@ -14,12 +14,7 @@ use super::WriteImageError;
 ///
 /// # Errors
 /// One sentence that names the target and the cause; see [`WriteImageError`].
-pub fn write_png_rgba8(
-    path: &Path,
-    width: usize,
-    height: usize,
-    rgba: &[u8],
-) -> Result<(), WriteImageError> {
+pub fn write_png_rgba8(path: &Path, width: usize, height: usize, rgba: &[u8]) -> Result<(), WriteImageError> {
     let png = encode(path, width, height, rgba, (4, 1), ExtendedColorType::Rgba8)?;
     write_bytes_atomically(path, &png)
 }
@@ -28,12 +23,7 @@ pub fn write_png_rgba8(
 ///
 /// # Errors
 /// As [`write_png_rgba8`].
-pub fn write_png_rgb8(
-    path: &Path,
-    width: usize,
-    height: usize,
-    rgb: &[u8],
-) -> Result<(), WriteImageError> {
+pub fn write_png_rgb8(path: &Path, width: usize, height: usize, rgb: &[u8]) -> Result<(), WriteImageError> {
     let png = encode(path, width, height, rgb, (3, 1), ExtendedColorType::Rgb8)?;
     write_bytes_atomically(path, &png)
 }
@@ -42,12 +32,7 @@ pub fn write_png_rgb8(
 ///
 /// # Errors
 /// As [`write_png_rgba8`].
-pub fn write_png_rgb16(
-    path: &Path,
-    width: usize,
-    height: usize,
-    rgb: &[u16],
-) -> Result<(), WriteImageError> {
+pub fn write_png_rgb16(path: &Path, width: usize, height: usize, rgb: &[u16]) -> Result<(), WriteImageError> {
     let bytes = bytemuck::cast_slice(rgb);
     let png = encode(path, width, height, bytes, (3, 2), ExtendedColorType::Rgb16)?;
     write_bytes_atomically(path, &png)
@@ -57,12 +42,7 @@ pub fn write_png_rgb16(
 ///
 /// # Errors
 /// When the samples do not make the texels.
-pub fn png_rgb8(
-    name: &Path,
-    width: usize,
-    height: usize,
-    rgb: &[u8],
-) -> Result<Vec<u8>, WriteImageError> {
+pub fn png_rgb8(name: &Path, width: usize, height: usize, rgb: &[u8]) -> Result<Vec<u8>, WriteImageError> {
     encode(name, width, height, rgb, (3, 1), ExtendedColorType::Rgb8)
 }
 
@@ -76,29 +56,17 @@ fn encode(
     color: ExtendedColorType,
 ) -> Result<Vec<u8>, WriteImageError> {
     let name = target_name(path);
-    let expected = width
-        .checked_mul(height)
-        .and_then(|texels| texels.checked_mul(channels * sample_bytes));
+    let expected = width.checked_mul(height).and_then(|texels| texels.checked_mul(channels * sample_bytes));
     let sides = u32::try_from(width).ok().zip(u32::try_from(height).ok());
-    let (Some((columns, rows)), true) = (
-        sides,
-        expected == Some(samples.len()) && !samples.is_empty(),
-    ) else {
+    let (Some((columns, rows)), true) = (sides, expected == Some(samples.len()) && !samples.is_empty()) else {
         let samples = samples.len() / sample_bytes;
-        return Err(WriteImageError::WrongLength {
-            name,
-            samples,
-            width,
-            height,
-        });
+        return Err(WriteImageError::WrongLength { name, samples, width, height });
     };
     let mut png = Vec::new();
-    PngEncoder::new(&mut png)
-        .write_image(samples, columns, rows, color)
-        .map_err(|error| {
-            log::debug!("{name}: {error}");
-            WriteImageError::Encoding { name: name.clone() }
-        })?;
+    PngEncoder::new(&mut png).write_image(samples, columns, rows, color).map_err(|error| {
+        log::debug!("{name}: {error}");
+        WriteImageError::Encoding { name: name.clone() }
+    })?;
     Ok(png)
 }
 
@@ -118,9 +86,7 @@ pub fn write_bytes_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteImag
         Ok(metadata) if metadata.is_dir() => Err(WriteImageError::Folder { name }),
         Ok(metadata) if !metadata.is_file() => write_in_place(path, bytes).map_err(refused),
         Ok(metadata) => replace(path, &metadata, bytes).map_err(refused),
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            write_new(path, bytes).map_err(refused)
-        }
+        Err(error) if error.kind() == ErrorKind::NotFound => write_new(path, bytes).map_err(refused),
         Err(error) => Err(refused(error)),
     }
 }
@@ -149,9 +115,5 @@ fn write_and_flush(mut target: impl Write, bytes: &[u8]) -> std::io::Result<()> 
 }
 
 fn target_name(path: &Path) -> String {
-    if path == Path::new("-") {
-        "standard output".to_owned()
-    } else {
-        path.display().to_string()
-    }
+    if path == Path::new("-") { "standard output".to_owned() } else { path.display().to_string() }
 }

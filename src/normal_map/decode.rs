@@ -29,9 +29,7 @@ const GREY_SHARE: f64 = 0.999;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
     /// All channels are equal, as in a height map.
-    #[error(
-        "'{name}' is greyscale and holds no normals; if it is a height map, add --height SCALE"
-    )]
+    #[error("'{name}' is greyscale and holds no normals; if it is a height map, add --height SCALE")]
     Greyscale { name: String },
     /// Every texel is exactly black.
     #[error("'{name}' is black all over and holds no normals")]
@@ -59,22 +57,23 @@ impl NormalMap {
     /// One sentence that names the file and the cause.
     pub fn read(path: &Path, options: &MapOptions) -> Result<Self, OpenError> {
         let image = image_io::read(path)?;
-        Ok(Self::from_image(
-            image,
-            MapSource::File(path.to_owned()),
-            options,
-        )?)
+        Ok(Self::from_image(image, MapSource::File(path.to_owned()), options)?)
+    }
+
+    /// Reads the bytes of a file that came without a path.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn read_bytes(name: &str, bytes: &[u8], options: &MapOptions) -> Result<Self, OpenError> {
+        let image = image_io::decode_bytes(name, bytes)?;
+        Ok(Self::from_image(image, MapSource::File(name.into()), options)?)
     }
 
     /// Decodes an image that is already in memory.
     ///
     /// # Errors
     /// One sentence that names the source and the cause.
-    pub fn from_image(
-        image: RasterImage,
-        source: MapSource,
-        options: &MapOptions,
-    ) -> Result<Self, DecodeError> {
+    pub fn from_image(image: RasterImage, source: MapSource, options: &MapOptions) -> Result<Self, DecodeError> {
         let name = source.to_string();
         let mut map = match options.height_scale {
             Some(scale) => from_heights(image, source, options, scale.into()),
@@ -109,11 +108,7 @@ impl NormalMap {
     /// Stores what `decode` gives for every texel: a unit normal and the length it was decoded with.
     fn fill(&mut self, decode: impl Fn(usize) -> Option<(DVec3, f64)> + Sync) {
         let width = self.width;
-        let planes = self
-            .x
-            .par_chunks_mut(width)
-            .zip(self.y.par_chunks_mut(width))
-            .zip(self.z.par_chunks_mut(width));
+        let planes = self.x.par_chunks_mut(width).zip(self.y.par_chunks_mut(width)).zip(self.z.par_chunks_mut(width));
         let fill_row = |(row, ((x, y), z)): (usize, ((&mut [f32], &mut [f32]), &mut [f32]))| {
             let mut tally = Tally::default();
             for column in 0..width {
@@ -126,21 +121,13 @@ impl NormalMap {
             }
             tally
         };
-        let tally = planes
-            .enumerate()
-            .map(fill_row)
-            .reduce(Tally::default, Tally::plus);
+        let tally = planes.enumerate().map(fill_row).reduce(Tally::default, Tally::plus);
         self.invalid = tally.invalid;
         self.warnings.extend(tally.warnings());
     }
 }
 
-fn from_heights(
-    image: RasterImage,
-    source: MapSource,
-    options: &MapOptions,
-    scale: f64,
-) -> NormalMap {
+fn from_heights(image: RasterImage, source: MapSource, options: &MapOptions, scale: f64) -> NormalMap {
     let in_color = image.color_channels() > 1 && !is_greyscale(&image);
     let normals = HeightMap::from_image(&image).normals(scale, options.addressing);
     let mut map = NormalMap::unfilled(image, source, options);
@@ -151,11 +138,7 @@ fn from_heights(
     map
 }
 
-fn from_normals(
-    image: RasterImage,
-    source: MapSource,
-    options: &MapOptions,
-) -> Result<NormalMap, DecodeError> {
+fn from_normals(image: RasterImage, source: MapSource, options: &MapOptions) -> Result<NormalMap, DecodeError> {
     let name = source.to_string();
     if (0..image.texels()).all(|texel| is_black(&image, texel)) {
         return Err(DecodeError::Black { name });
@@ -215,11 +198,7 @@ impl Decoder {
         Self {
             range: range_of(image, used),
             two_channel,
-            y_sign: if options.green == GreenChannel::Down {
-                -1.0
-            } else {
-                1.0
-            },
+            y_sign: if options.green == GreenChannel::Down { -1.0 } else { 1.0 },
         }
     }
 
@@ -228,16 +207,9 @@ impl Decoder {
         if is_black(image, texel) {
             return None;
         }
-        let component = |channel: usize| {
-            self.range
-                .component(image.samples.get(texel * image.channels + channel))
-        };
+        let component = |channel: usize| self.range.component(image.samples.get(texel * image.channels + channel));
         let (x, y) = (component(0), self.y_sign * component(1));
-        let z = if self.two_channel {
-            (1.0 - x * x - y * y).max(0.0).sqrt()
-        } else {
-            component(2)
-        };
+        let z = if self.two_channel { (1.0 - x * x - y * y).max(0.0).sqrt() } else { component(2) };
         let vector = DVec3::new(x, y, z);
         let length = vector.length();
         (length.is_finite() && length >= SHORTEST).then(|| (vector / length, length))
@@ -248,14 +220,8 @@ fn range_of(image: &RasterImage, used: usize) -> Range {
     if let Some(full_scale) = image.samples.full_scale() {
         return Range::Integer(full_scale);
     }
-    let negative = |texel: usize| {
-        (0..used).any(|channel| image.samples.get(texel * image.channels + channel) < 0.0)
-    };
-    if (0..image.texels()).any(negative) {
-        Range::Signed
-    } else {
-        Range::Unsigned
-    }
+    let negative = |texel: usize| (0..used).any(|channel| image.samples.get(texel * image.channels + channel) < 0.0);
+    if (0..image.texels()).any(negative) { Range::Signed } else { Range::Unsigned }
 }
 
 /// True where every colour sample of a texel is exactly 0.

@@ -66,24 +66,19 @@ impl fmt::Display for Warning {
             Self::FloatsTakenAsUnsigned => {
                 formatter.write_str("no float sample is negative, so 0 to 1 was read as -1 to 1")
             }
-            Self::FloatsTakenAsSigned => formatter.write_str(
-                "some float samples are negative, so all were read as components from -1 to 1",
-            ),
-            Self::AlphaVaries => {
-                formatter.write_str("the alpha channel is not constant; it was not used")
+            Self::FloatsTakenAsSigned => {
+                formatter.write_str("some float samples are negative, so all were read as components from -1 to 1")
             }
-            Self::HeightsFromColor => formatter
-                .write_str("the image is in colour; the mean of its channels was read as height"),
+            Self::AlphaVaries => formatter.write_str("the alpha channel is not constant; it was not used"),
+            Self::HeightsFromColor => {
+                formatter.write_str("the image is in colour; the mean of its channels was read as height")
+            }
         }
     }
 }
 
 fn percent(share: f64) -> String {
-    if share < 0.095 {
-        format!("{:.1}%", 100.0 * share)
-    } else {
-        format!("{:.0}%", 100.0 * share)
-    }
+    if share < 0.095 { format!("{:.1}%", 100.0 * share) } else { format!("{:.0}%", 100.0 * share) }
 }
 
 /// Counts kept while the texels are decoded; counts of parts of a map add up.
@@ -122,21 +117,14 @@ impl Tally {
         let mut warnings = Vec::new();
         if self.invalid > 0 {
             let total = self.valid + self.invalid;
-            warnings.push(Warning::InvalidTexels {
-                count: self.invalid,
-                total,
-            });
+            warnings.push(Warning::InvalidTexels { count: self.invalid, total });
         }
         let share = |count: usize| count as f64 / self.valid.max(1) as f64;
         if share(self.off_unit) > WORTH_A_WARNING {
-            warnings.push(Warning::LengthsOffUnit {
-                share: share(self.off_unit),
-            });
+            warnings.push(Warning::LengthsOffUnit { share: share(self.off_unit) });
         }
         if share(self.below_horizon) > WORTH_A_WARNING {
-            warnings.push(Warning::BelowHorizon {
-                share: share(self.below_horizon),
-            });
+            warnings.push(Warning::BelowHorizon { share: share(self.below_horizon) });
         }
         warnings
     }
@@ -156,40 +144,18 @@ mod tests {
     #[test]
     fn a_warning_is_one_plain_sentence() {
         assert_eq!(
-            Warning::InvalidTexels {
-                count: 12,
-                total: 64
-            }
-            .to_string(),
+            Warning::InvalidTexels { count: 12, total: 64 }.to_string(),
             "12 of 64 texels hold no normal (black, too short or not finite) and were left out"
         );
-        assert!(
-            Warning::LengthsOffUnit { share: 0.031 }
-                .to_string()
-                .starts_with("3.1% of")
-        );
-        assert!(
-            Warning::LengthsOffUnit { share: 1.0 }
-                .to_string()
-                .starts_with("100% of")
-        );
+        assert!(Warning::LengthsOffUnit { share: 0.031 }.to_string().starts_with("3.1% of"));
+        assert!(Warning::LengthsOffUnit { share: 1.0 }.to_string().starts_with("100% of"));
     }
 
     #[test]
     fn a_few_odd_texels_in_a_good_map_give_no_warning() {
-        let tally = Tally {
-            valid: 10_000,
-            off_unit: 10,
-            below_horizon: 3,
-            invalid: 0,
-        };
+        let tally = Tally { valid: 10_000, off_unit: 10, below_horizon: 3, invalid: 0 };
         assert!(tally.warnings().is_empty());
-        let tally = Tally {
-            valid: 10_000,
-            off_unit: 1000,
-            below_horizon: 0,
-            invalid: 0,
-        };
+        let tally = Tally { valid: 10_000, off_unit: 1000, below_horizon: 0, invalid: 0 };
         assert_eq!(tally.warnings(), [Warning::LengthsOffUnit { share: 0.1 }]);
     }
 }

@@ -30,16 +30,9 @@ impl HeightMap {
         let divisor = color as f64 * image.samples.full_scale().unwrap_or(1.0);
         let height_of = |texel: usize| {
             let first = texel * image.channels;
-            (first..first + color)
-                .map(|index| image.samples.get(index))
-                .sum::<f64>()
-                / divisor
+            (first..first + color).map(|index| image.samples.get(index)).sum::<f64>() / divisor
         };
-        Self {
-            width: image.width,
-            height: image.height,
-            values: (0..image.texels()).map(height_of).collect(),
-        }
+        Self { width: image.width, height: image.height, values: (0..image.texels()).map(height_of).collect() }
     }
 
     /// The unit normal of every texel in tangent space, `+y` up the image; `None` where a neighbour is not finite.
@@ -47,12 +40,8 @@ impl HeightMap {
     /// `scale` is the height, in texel widths, that a step of 1 in the values stands for. At a clamped edge the
     /// missing neighbour is the edge texel itself, so the slope there is half the one-sided difference.
     pub fn normals(&self, scale: f64, addressing: Addressing) -> Vec<Option<DVec3>> {
-        let normal_at =
-            |texel: usize| self.normal(texel % self.width, texel / self.width, scale, addressing);
-        (0..self.values.len())
-            .into_par_iter()
-            .map(normal_at)
-            .collect()
+        let normal_at = |texel: usize| self.normal(texel % self.width, texel / self.width, scale, addressing);
+        (0..self.values.len()).into_par_iter().map(normal_at).collect()
     }
 
     fn normal(&self, x: usize, y: usize, scale: f64, addressing: Addressing) -> Option<DVec3> {
@@ -81,11 +70,7 @@ mod tests {
     fn ramp_up_the_image() -> HeightMap {
         // Row 0 is the top and the highest.
         let values = (0..16).map(|texel| (3 - texel / 4) as f64).collect();
-        HeightMap {
-            width: 4,
-            height: 4,
-            values,
-        }
+        HeightMap { width: 4, height: 4, values }
     }
 
     #[test]
@@ -95,10 +80,7 @@ mod tests {
         let half = 0.5_f64.sqrt();
         assert!((inner - DVec3::new(0.0, -half, half)).length() < 1e-15);
         let edge = normals[1].unwrap();
-        assert!(
-            (edge.y / edge.z + 0.5).abs() < 1e-15,
-            "half the one-sided difference"
-        );
+        assert!((edge.y / edge.z + 0.5).abs() < 1e-15, "half the one-sided difference");
     }
 
     #[test]
@@ -111,28 +93,16 @@ mod tests {
     #[test]
     fn a_level_surface_is_flat_at_any_size() {
         for (width, height) in [(1, 1), (1, 5), (7, 3)] {
-            let map = HeightMap {
-                width,
-                height,
-                values: vec![0.25; width * height],
-            };
+            let map = HeightMap { width, height, values: vec![0.25; width * height] };
             for addressing in [Addressing::Wrap, Addressing::Clamp] {
-                assert!(
-                    map.normals(100.0, addressing)
-                        .iter()
-                        .all(|&normal| normal == Some(DVec3::Z))
-                );
+                assert!(map.normals(100.0, addressing).iter().all(|&normal| normal == Some(DVec3::Z)));
             }
         }
     }
 
     #[test]
     fn a_neighbour_that_is_not_finite_leaves_no_normal() {
-        let map = HeightMap {
-            width: 3,
-            height: 1,
-            values: vec![0.0, 0.0, f64::NAN],
-        };
+        let map = HeightMap { width: 3, height: 1, values: vec![0.0, 0.0, f64::NAN] };
         let normals = map.normals(1.0, Addressing::Clamp);
         assert_eq!(normals[0], Some(DVec3::Z));
         assert_eq!(normals[1], None);

@@ -6,8 +6,6 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::ndf::Ndf;
-
 /// Cells along each side of the density's octahedral grid; one spans about 0.7 degrees at the pole.
 pub const DENSITY_SIZE: usize = 256;
 
@@ -49,10 +47,11 @@ pub struct NdfPicture {
 }
 
 impl NdfPicture {
-    /// Prepares the picture of an NDF.
-    pub fn new(ndf: &Ndf) -> Self {
-        let points = merge(&ndf.samples);
-        let kernel_kappa = kernel_kappa(ndf);
+    /// Prepares the picture of unit normals whose weights sum to 1, such as [`Ndf::samples`](crate::ndf::Ndf::samples).
+    pub fn new(samples: impl IntoIterator<Item = (DVec3, f64)>) -> Self {
+        let mut tally = Tally::default();
+        let points = merge(samples.into_iter().inspect(|sample| tally.add(*sample)));
+        let kernel_kappa = tally.kernel_kappa();
         let density = splat(&points, kernel_kappa);
         let peak = density.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
         Self { points, density, peak, kernel_kappa }
@@ -71,40 +70,81 @@ impl NdfPicture {
     }
 }
 
-/// Half of Silverman's width for two dimensions, `sigma n^(-1/6)`, because an NDF has several modes as a rule.
-fn kernel_kappa(ndf: &Ndf) -> f64 {
-    let spread = (1.0 - ndf.mean().length()).max(0.0).sqrt();
-    let effective_count = 1.0 / ndf.samples.iter().map(|(_, weight)| weight * weight).sum::<f64>();
-    let width = 0.5 * spread * effective_count.powf(-1.0 / 6.0);
-    width.clamp(KERNEL_DEG[0].to_radians(), KERNEL_DEG[1].to_radians()).powi(-2)
+/// What the kernel's width depends on.
+#[derive(Default)]
+struct Tally {
+    mean: DVec3,
+    squared_weights: f64,
 }
 
-/// Merges normals that share an octahedral cell, the cells as small as [`MAX_POINTS`] allows.
-fn merge(samples: &[(DVec3, f64)]) -> Vec<(DVec3, f64)> {
-    let mut cells = 1024;
-    loop {
-        let merged = merge_cells(samples, cells);
-        if merged.len() <= MAX_POINTS {
-            return merged;
-        }
-        cells /= 2;
+impl Tally {
+    fn add(&mut self, (normal, weight): (DVec3, f64)) {
+        self.mean += weight * normal;
+        self.squared_weights += weight * weight;
+    }
+
+    /// Half of Silverman's width for two dimensions, `sigma n^(-1/6)`, because an NDF has several modes as a rule.
+    fn kernel_kappa(&self) -> f64 {
+        let spread = (1.0 - self.mean.length()).max(0.0).sqrt();
+        let width = 0.5 * spread * self.squared_weights.powf(1.0 / 6.0);
+        width.clamp(KERNEL_DEG[0].to_radians(), KERNEL_DEG[1].to_radians()).powi(-2)
     }
 }
 
-fn merge_cells(samples: &[(DVec3, f64)], cells: usize) -> Vec<(DVec3, f64)> {
-    let cell = |direction: DVec3| {
-        let position = (octahedral_from_direction(direction) * cells as f64).floor();
-        position.y as u32 * cells as u32 + position.x as u32
-    };
-    let mut keyed: Vec<(u32, DVec3, f64)> = samples.iter().map(|&(n, weight)| (cell(n), n, weight)).collect();
-    keyed.sort_by_key(|entry| entry.0);
-    keyed.chunk_by(|a, b| a.0 == b.0).map(mean_of_cell).collect()
+/// At most [`MAX_POINTS`] points: the samples themselves, or else merged by the smallest octahedral cells that serve.
+fn merge(samples: impl Iterator<Item = (DVec3, f64)>) -> Vec<(DVec3, f64)> {
+    let mut samples = samples.peekable();
+    let points: Vec<_> = samples.by_ref().take(MAX_POINTS).collect();
+    if samples.peek().is_none() {
+        return points;
+    }
+    let mut cells = Cells::of(512, points.into_iter().chain(samples));
+    while cells.used() > MAX_POINTS {
+        cells = cells.coarser();
+    }
+    cells.points()
 }
 
-fn mean_of_cell(cell: &[(u32, DVec3, f64)]) -> (DVec3, f64) {
-    let weight: f64 = cell.iter().map(|entry| entry.2).sum();
-    let sum: DVec3 = cell.iter().map(|entry| entry.2 * entry.1).sum();
-    (sum.try_normalize().unwrap_or(cell[0].1), weight)
+/// Sums of weight and of weighted normals by octahedral cell, `side` squared of them.
+struct Cells {
+    side: usize,
+    sums: Vec<(DVec3, f64)>,
+}
+
+impl Cells {
+    fn of(side: usize, points: impl IntoIterator<Item = (DVec3, f64)>) -> Self {
+        let mut cells = Self { side, sums: vec![(DVec3::ZERO, 0.0); side * side] };
+        for (direction, weight) in points {
+            let position = (octahedral_from_direction(direction) * side as f64).floor();
+            let limit = side - 1;
+            let index = (position.y as usize).min(limit) * side + (position.x as usize).min(limit);
+            cells.add(index, (weight * direction, weight));
+        }
+        cells
+    }
+
+    fn add(&mut self, index: usize, (sum, weight): (DVec3, f64)) {
+        self.sums[index].0 += sum;
+        self.sums[index].1 += weight;
+    }
+
+    fn coarser(&self) -> Self {
+        let side = self.side / 2;
+        let mut coarse = Self { side, sums: vec![(DVec3::ZERO, 0.0); side * side] };
+        for (index, &cell) in self.sums.iter().enumerate() {
+            coarse.add(index / self.side / 2 * side + index % self.side / 2, cell);
+        }
+        coarse
+    }
+
+    fn used(&self) -> usize {
+        self.sums.iter().filter(|cell| cell.1 > 0.0).count()
+    }
+
+    fn points(&self) -> Vec<(DVec3, f64)> {
+        let used = self.sums.iter().filter(|cell| cell.1 > 0.0);
+        used.map(|&(sum, weight)| (sum.try_normalize().unwrap_or(DVec3::Z), weight)).collect()
+    }
 }
 
 /// The kernel `9 kappa / (16 pi) max(1 - kappa d^2 / 16, 0)^8` of squared chord `d^2`: `exp(-kappa d^2 / 2)` with an
@@ -138,7 +178,8 @@ impl CellCentres {
 /// Adds every point's kernel to the cells it reaches. Points much closer than the kernel is wide are merged first.
 fn splat(points: &[(DVec3, f64)], kappa: f64) -> Vec<f32> {
     let cells_per_sigma = 3.0 / 2.0 * kappa.sqrt();
-    let merged = merge_cells(points, (cells_per_sigma.log2().ceil().exp2() as usize).clamp(16, 1024));
+    let side = (cells_per_sigma.log2().ceil().exp2() as usize).clamp(16, 512);
+    let merged = Cells::of(side, points.iter().copied()).points();
     let centres = CellCentres::new();
     let mut density = vec![0.0_f32; DENSITY_SIZE * DENSITY_SIZE];
     // A radian spans at most size / sqrt(2) cells along either side of the octahedral square.
@@ -180,10 +221,6 @@ mod tests {
     use super::*;
     use crate::sphere::direction::hemisphere;
 
-    fn ndf_of(samples: Vec<(DVec3, f64)>) -> Ndf {
-        Ndf { samples, stand_in: false }
-    }
-
     #[test]
     fn the_octahedral_square_holds_every_direction_once() {
         for direction in hemisphere(500).flat_map(|d| [d, -d]) {
@@ -195,7 +232,7 @@ mod tests {
     #[test]
     fn the_grid_holds_the_whole_sum() {
         let samples: Vec<_> = hemisphere(60).map(|d| (d, 1.0 / 60.0)).collect();
-        let picture = NdfPicture::new(&ndf_of(samples));
+        let picture = NdfPicture::new(samples);
         let directions = cell_directions();
         let worst = (0..directions.len())
             .step_by(37)
@@ -208,7 +245,7 @@ mod tests {
     #[test]
     fn the_density_integrates_to_one() {
         let samples: Vec<_> = hemisphere(300).map(|d| (d, 1.0 / 300.0)).collect();
-        let picture = NdfPicture::new(&ndf_of(samples));
+        let picture = NdfPicture::new(samples);
         let count = 20_000;
         let mean = |side: f64| hemisphere(count).map(|d| picture.density_at(side * d)).sum::<f64>() / count as f64;
         let integral = std::f64::consts::TAU * (mean(1.0) + mean(-1.0));
@@ -218,8 +255,7 @@ mod tests {
     #[test]
     fn merging_keeps_the_weight_and_the_mean() {
         let count = 100_000;
-        let samples: Vec<_> = hemisphere(count).map(|d| (d, 1.0 / count as f64)).collect();
-        let merged = merge(&samples);
+        let merged = merge(hemisphere(count).map(|d| (d, 1.0 / count as f64)));
         assert!(merged.len() <= MAX_POINTS && merged.len() > 1000, "{}", merged.len());
         let mean: DVec3 = merged.iter().map(|(d, weight)| *weight * *d).sum();
         assert!((merged.iter().map(|p| p.1).sum::<f64>() - 1.0).abs() < 1e-9);
@@ -228,7 +264,7 @@ mod tests {
 
     #[test]
     fn a_single_normal_is_one_sharp_spot() {
-        let picture = NdfPicture::new(&ndf_of(vec![(DVec3::Z, 1.0)]));
+        let picture = NdfPicture::new([(DVec3::Z, 1.0)]);
         assert_eq!(picture.points.len(), 1);
         assert!(picture.peak > 100.0);
     }

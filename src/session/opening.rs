@@ -79,7 +79,8 @@ impl Opening {
         work: impl FnOnce(&Outbox<News>) + Send + 'static,
     ) -> Result<(), String> {
         let job = Job::spawn(name, Arc::clone(wake), work);
-        self.job = Some(job.map_err(|error| format!("The map cannot be opened: no thread could be started ({error})."))?);
+        self.job =
+            Some(job.map_err(|error| format!("The map cannot be opened: no thread could be started ({error})."))?);
         Ok(())
     }
 
@@ -101,8 +102,7 @@ impl Opening {
 }
 
 /// Extensions that the dialog offers.
-const EXTENSIONS: [&str; 12] =
-    ["png", "tga", "bmp", "tif", "tiff", "jpg", "jpeg", "webp", "hdr", "exr", "PNG", "TGA"];
+const EXTENSIONS: [&str; 12] = ["png", "tga", "bmp", "tif", "tiff", "jpg", "jpeg", "webp", "hdr", "exr", "PNG", "TGA"];
 
 fn read_news(request: MapRequest) -> News {
     match read(&request) {
@@ -122,12 +122,12 @@ pub fn read(request: &MapRequest) -> Result<NormalMap, String> {
         MapRequest::Bytes { name, bytes, options } => {
             NormalMap::read_bytes(name, bytes, options).map_err(|error| error.to_string())
         }
-        MapRequest::Bundled { name, options } => procedural::find(name)
-            .map(|sample| {
-                let mut map = sample.make(sample.default_size);
-                map.options.addressing = options.addressing;
-                map
-            })
-            .ok_or_else(|| format!("There is no bundled map named '{name}'; `sample --list` names them.")),
+        MapRequest::Bundled { name, options } => {
+            let sample = procedural::find(name)
+                .ok_or_else(|| format!("There is no bundled map named '{name}'; `sample --list` names them."))?;
+            let mut map = sample.make(procedural::DEFAULT_SIZE).map_err(|error| error.to_string())?;
+            map.options.addressing = options.addressing;
+            Ok(map)
+        }
     }
 }

@@ -22,41 +22,22 @@ const ASKEW: f64 = 0.09;
 
 fn height(s: f64, t: f64) -> f64 {
     // A brick's outline wavers.
-    let (s, t) = (
-        s + 0.002 * noise::smooth(s, t, (24, 24), 81),
-        t + 0.002 * noise::smooth(s, t, (24, 24), 82),
-    );
+    let (s, t) = (s + 0.002 * noise::smooth(s, t, (24, 24), 81), t + 0.002 * noise::smooth(s, t, (24, 24), 82));
     let (brick_width, brick_height) = (1.0 / COLUMNS as f64, 1.0 / COURSES as f64);
     let course = (t / brick_height).floor();
-    let shift = if (course as i64).rem_euclid(2) == 0 {
-        0.0
-    } else {
-        0.5
-    };
+    let shift = if (course as i64).rem_euclid(2) == 0 { 0.0 } else { 0.5 };
     let column = (s / brick_width - shift).floor();
     let across = s - (column + shift + 0.5) * brick_width;
     let along = t - (course + 0.5) * brick_height;
-    let inside = inset(
-        brick_width / 2.0 - across.abs(),
-        brick_height / 2.0 - along.abs(),
-    );
-    let (column, course) = (
-        (column as i64).rem_euclid(COLUMNS),
-        (course as i64).rem_euclid(COURSES),
-    );
+    let inside = inset(brick_width / 2.0 - across.abs(), brick_height / 2.0 - along.abs());
+    let (column, course) = ((column as i64).rem_euclid(COLUMNS), (course as i64).rem_euclid(COURSES));
     let share = smooth_step(HALF_JOINT, HALF_JOINT + EDGE, inside);
-    mix_between(
-        mortar(s, t),
-        brick(s, t, across, along, (column, course)),
-        share,
-    )
+    mix_between(mortar(s, t), brick(s, t, across, along, (column, course)), share)
 }
 
 /// Distance from a rectangle's edge, inwards, its corners rounded by `EDGE`.
 fn inset(from_side: f64, from_course: f64) -> f64 {
-    let corner = (EDGE - (from_side - HALF_JOINT))
-        .max(0.0)
-        .hypot((EDGE - (from_course - HALF_JOINT)).max(0.0));
+    let corner = (EDGE - (from_side - HALF_JOINT)).max(0.0).hypot((EDGE - (from_course - HALF_JOINT)).max(0.0));
     (HALF_JOINT + EDGE - corner).min(from_side).min(from_course)
 }
 

@@ -9,12 +9,8 @@ pub const SAMPLE: Sample = Sample {
 };
 
 /// Lattice cells of the strokes along and across, with the height of a stroke in tile widths.
-const STROKES: [((i64, i64), f64); 4] = [
-    ((4, 512), 0.000_28),
-    ((7, 256), 0.000_5),
-    ((3, 128), 0.000_6),
-    ((2, 48), 0.000_8),
-];
+const STROKES: [((i64, i64), f64); 4] =
+    [((4, 512), 0.000_28), ((7, 256), 0.000_5), ((3, 128), 0.000_6), ((2, 48), 0.000_8)];
 
 fn height(s: f64, t: f64) -> f64 {
     let stroke = |(seed, ((along, across), strength)): (u64, ((i64, i64), f64))| {

@@ -71,11 +71,16 @@ impl Place {
     /// The texel's centre: `s` right and `t` up, from 0 to 1 over the tile.
     fn centre(self) -> (f64, f64) {
         let size = self.size as f64;
-        (
-            (self.x as f64 + 0.5) / size,
-            1.0 - (self.y as f64 + 0.5) / size,
-        )
+        ((self.x as f64 + 0.5) / size, 1.0 - (self.y as f64 + 0.5) / size)
     }
+}
+
+/// The map that opens when none is named.
+///
+/// # Errors
+/// See [`Sample::make`].
+pub fn default_map() -> Result<NormalMap, DecodeError> {
+    find(DEFAULT_SAMPLE).unwrap_or(&SAMPLES[0]).make(DEFAULT_SIZE)
 }
 
 /// Finds a bundled map by its name.
@@ -120,15 +125,8 @@ fn to_rgb8(normal: DVec3) -> [u8; 3] {
 
 /// A value for every texel, row by row from the top.
 fn each_texel<T: Send>(size: usize, value: impl Fn(Place) -> T + Sync) -> Vec<T> {
-    let place = |texel: usize| Place {
-        x: texel % size,
-        y: texel / size,
-        size,
-    };
-    (0..size * size)
-        .into_par_iter()
-        .map(|texel| value(place(texel)))
-        .collect()
+    let place = |texel: usize| Place { x: texel % size, y: texel / size, size };
+    (0..size * size).into_par_iter().map(|texel| value(place(texel))).collect()
 }
 
 /// Normals of the height's mean slope over each texel, by the trapezium rule along its four edges: only the heights
@@ -136,9 +134,7 @@ fn each_texel<T: Send>(size: usize, value: impl Fn(Place) -> T + Sync) -> Vec<T>
 fn normals_of_height(height: fn(f64, f64) -> f64, size: usize) -> Vec<DVec3> {
     let scale = 1.0 / size as f64;
     // The top-left corner of every texel; the tile repeats beyond.
-    let corners = each_texel(size, |place| {
-        height(place.x as f64 * scale, 1.0 - place.y as f64 * scale)
-    });
+    let corners = each_texel(size, |place| height(place.x as f64 * scale, 1.0 - place.y as f64 * scale));
     each_texel(size, |Place { x, y, .. }| {
         let (right, below) = ((x + 1) % size, (y + 1) % size);
         let h = |x: usize, y: usize| corners[y * size + x];
@@ -158,18 +154,8 @@ mod tests {
         for sample in SAMPLES {
             for size in [1, 2, 7, 64, 100] {
                 let map = sample.make(size).unwrap();
-                assert_eq!(
-                    (map.width, map.height, map.invalid),
-                    (size, size, 0),
-                    "{}",
-                    sample.name
-                );
-                assert!(
-                    map.warnings.is_empty(),
-                    "{}: {:?}",
-                    sample.name,
-                    map.warnings
-                );
+                assert_eq!((map.width, map.height, map.invalid), (size, size, 0), "{}", sample.name);
+                assert!(map.warnings.is_empty(), "{}: {:?}", sample.name, map.warnings);
             }
         }
     }
@@ -177,13 +163,7 @@ mod tests {
     #[test]
     fn names_are_unique_and_the_default_is_one_of_them() {
         for sample in SAMPLES {
-            assert_eq!(
-                SAMPLES
-                    .iter()
-                    .filter(|other| other.name == sample.name)
-                    .count(),
-                1
-            );
+            assert_eq!(SAMPLES.iter().filter(|other| other.name == sample.name).count(), 1);
             assert!(!sample.description.ends_with('.'));
         }
         assert!(find(DEFAULT_SAMPLE).is_some());
@@ -216,14 +196,9 @@ mod tests {
     #[test]
     fn a_slope_that_rises_to_the_right_and_up_leans_left_and_down() {
         // A sine's steepest rise at s = 0 lies on the left edge of the tile, and so for t at the bottom edge.
-        let height = |s: f64, t: f64| {
-            0.1 * ((std::f64::consts::TAU * s).sin() + (std::f64::consts::TAU * t).sin())
-        };
+        let height = |s: f64, t: f64| 0.1 * ((std::f64::consts::TAU * s).sin() + (std::f64::consts::TAU * t).sin());
         let normals = normals_of_height(height, 64);
         let bottom_left = normals[63 * 64];
-        assert!(
-            bottom_left.x < -0.6 && bottom_left.y < -0.6,
-            "{bottom_left}"
-        );
+        assert!(bottom_left.x < -0.6 && bottom_left.y < -0.6, "{bottom_left}");
     }
 }

@@ -39,11 +39,7 @@ pub fn smooth(s: f64, t: f64, cells: (i64, i64), seed: u64) -> f64 {
         let (column, row) = (column as i64 + dx, row as i64 + dy);
         2.0 * uniform(column.rem_euclid(cells.0), row.rem_euclid(cells.1), seed) - 1.0
     };
-    mix_between(
-        mix_between(value(0, 0), value(1, 0), u),
-        mix_between(value(0, 1), value(1, 1), u),
-        v,
-    )
+    mix_between(mix_between(value(0, 0), value(1, 0), u), mix_between(value(0, 1), value(1, 1), u), v)
 }
 
 /// Octaves of [`smooth`], each twice as fine and half as strong as the one before: a rough surface.
@@ -71,24 +67,13 @@ pub struct NearestPoint {
 pub fn nearest_point(s: f64, t: f64, cells: i64, seed: u64) -> NearestPoint {
     let (x, y) = (s * cells as f64, t * cells as f64);
     let (column, row) = (x.floor() as i64, y.floor() as i64);
-    let mut nearest = NearestPoint {
-        column,
-        row,
-        distance: f64::INFINITY,
-    };
+    let mut nearest = NearestPoint { column, row, distance: f64::INFINITY };
     for (dx, dy) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))) {
-        let (in_tile_x, in_tile_y) = (
-            (column + dx).rem_euclid(cells),
-            (row + dy).rem_euclid(cells),
-        );
+        let (in_tile_x, in_tile_y) = ((column + dx).rem_euclid(cells), (row + dy).rem_euclid(cells));
         let place = |cell: i64, seed: u64| cell as f64 + uniform(in_tile_x, in_tile_y, seed);
         let distance = (place(column + dx, seed) - x).hypot(place(row + dy, seed ^ 0x5a5a) - y);
         if distance < nearest.distance {
-            nearest = NearestPoint {
-                column: in_tile_x,
-                row: in_tile_y,
-                distance,
-            };
+            nearest = NearestPoint { column: in_tile_x, row: in_tile_y, distance };
         }
     }
     nearest

@@ -28,11 +28,7 @@ const HALF_SCRATCH: f64 = 0.0022;
 fn height(s: f64, t: f64) -> f64 {
     let lug = lozenges(s, t);
     // Feet polish what stands out and leave the floor as it was brushed.
-    let finish = mix_between(
-        brushing(s, t),
-        0.25 * brushing(s, t),
-        smooth_step(0.5, 1.0, lug),
-    );
+    let finish = mix_between(brushing(s, t), 0.25 * brushing(s, t), smooth_step(0.5, 1.0, lug));
     RISE * lug + finish + dents(s, t) - scratches(s, t)
 }
 
@@ -41,18 +37,12 @@ fn lozenges(s: f64, t: f64) -> f64 {
     let (x, y) = (s * LOZENGES as f64, t * LOZENGES as f64);
     let (column, row) = (x.floor() as i64, y.floor() as i64);
     let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (column + dx, row + dy)));
-    around
-        .map(|(column, row)| lozenge(x - column as f64 - 0.5, y - row as f64 - 0.5, column + row))
-        .fold(0.0, f64::max)
+    around.map(|(column, row)| lozenge(x - column as f64 - 0.5, y - row as f64 - 0.5, column + row)).fold(0.0, f64::max)
 }
 
 /// One lozenge about the origin: two circular arcs that meet in points, with a rounded flank.
 fn lozenge(x: f64, y: f64, parity: i64) -> f64 {
-    let angle = if parity.rem_euclid(2) == 0 {
-        FRAC_PI_4
-    } else {
-        -FRAC_PI_4
-    };
+    let angle = if parity.rem_euclid(2) == 0 { FRAC_PI_4 } else { -FRAC_PI_4 };
     let (sine, cosine) = angle.sin_cos();
     let (along, across) = (cosine * x + sine * y, cosine * y - sine * x);
     // Both arcs have the radius that passes through the two points and the widest place.
@@ -84,28 +74,18 @@ struct Scratch {
     half_length: f64,
 }
 
-static SCRATCHES: LazyLock<Vec<Scratch>> =
-    LazyLock::new(|| (0..SCRATCH_COUNT).map(scratch).collect());
+static SCRATCHES: LazyLock<Vec<Scratch>> = LazyLock::new(|| (0..SCRATCH_COUNT).map(scratch).collect());
 
 fn scratch(index: i64) -> Scratch {
     let random = |seed: u64| noise::uniform(index, 0, 660 + seed);
     let (sine, cosine) = (PI * random(0)).sin_cos();
     let half_length = mix_between(0.05, 0.2, random(1));
-    Scratch {
-        s: random(2),
-        t: random(3),
-        sine,
-        cosine,
-        half_length,
-    }
+    Scratch { s: random(2), t: random(3), sine, cosine, half_length }
 }
 
 /// How deep the deepest scratch is at `(s, t)`, in tile widths.
 fn scratches(s: f64, t: f64) -> f64 {
-    SCRATCHES
-        .iter()
-        .map(|scratch| scratch.depth(s, t))
-        .fold(0.0, f64::max)
+    SCRATCHES.iter().map(|scratch| scratch.depth(s, t)).fold(0.0, f64::max)
 }
 
 impl Scratch {

@@ -20,8 +20,7 @@ const FLATTENING: f64 = 0.5;
 
 fn height(s: f64, t: f64) -> f64 {
     let row = (t * ROWS as f64).floor() as i64;
-    let highest = (row - 1..=row + 3)
-        .flat_map(|row| nearest_two(s, row).map(|column| scale(s, t, row, column)));
+    let highest = (row - 1..=row + 3).flat_map(|row| nearest_two(s, row).map(|column| scale(s, t, row, column)));
     highest.fold(0.0, f64::max) / COLUMNS as f64
 }
 
@@ -43,10 +42,6 @@ fn scale(s: f64, t: f64, row: i64, column: i64) -> f64 {
     if inside <= 0.0 {
         return 0.0;
     }
-    let size = noise::mix_between(
-        0.9,
-        1.0,
-        noise::uniform(column.rem_euclid(COLUMNS), row.rem_euclid(ROWS), 5),
-    );
+    let size = noise::mix_between(0.9, 1.0, noise::uniform(column.rem_euclid(COLUMNS), row.rem_euclid(ROWS), 5));
     size * (FLATTENING * inside.sqrt() + LIFT * (RADIUS - along))
 }

@@ -47,15 +47,7 @@ fn wave(index: usize) -> Wave {
     let count = LONGEST * (SHORTEST / LONGEST).powf(index as f64 / (COUNT - 1) as f64);
     // The wind blows towards about (0.9, 0.4), give or take 70 degrees.
     let direction = 0.4 + 2.4 * (random(71) - 0.5);
-    let (right, up) = (
-        (count * direction.cos()).round(),
-        (count * direction.sin()).round(),
-    );
+    let (right, up) = ((count * direction.cos()).round(), (count * direction.sin()).round());
     let height = STEEPNESS / (TAU * right.hypot(up).max(1.0));
-    Wave {
-        right,
-        up,
-        phase: random(72),
-        height,
-    }
+    Wave { right, up, phase: random(72), height }
 }
