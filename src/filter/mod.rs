@@ -18,7 +18,8 @@ pub use truth::Truth;
 pub use vmf::VmfFilter;
 
 /// A filtering method by name, as the command line and the session file write it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// `truth`: supersampling of the unfiltered map.
     Truth,

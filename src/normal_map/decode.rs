@@ -1,1 +1,249 @@
+//! From stored samples to unit normals.
+//!
+//! `n = 2 c / c_max - 1` per channel (`c_max` 255 or 65535), then normalised; so (128, 128, 255) leans 0.32 degrees,
+//! which is the map's own lean. Floats are taken as they are where any colour sample is negative, else as
+//! `n = 2 c - 1`; a warning says which. With two channels `z = sqrt(max(0, 1 - x^2 - y^2))`.
+//!
+//! A texel is invalid where its colour is exactly black, its decoded length is below 0.1, or a sample is not finite.
+//! Normals are computed in f64 and stored as f32, whose error (6e-8) is far below what any file resolves.
 
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::diagnose::{Tally, Warning, alpha_varies};
+use super::height::HeightMap;
+use super::{GreenChannel, MapOptions, MapSource, NormalMap};
+use crate::image_io::{self, RasterImage, ReadImageError};
+
+/// A decoded length below this holds no direction worth the name: rounding alone moves it by tens of degrees.
+const SHORTEST: f64 = 0.1;
+
+/// An image is greyscale where more than this share of its texels that are not black are grey. The rest allows for
+/// a stray mark on a height map; a normal map is blue nearly everywhere.
+const GREY_SHARE: f64 = 0.999;
+
+/// Why an image is no normal map. `name` is the file's or the bundled map's.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DecodeError {
+    /// All channels are equal, as in a height map.
+    #[error("'{name}' is greyscale and holds no normals; if it is a height map, add --height SCALE")]
+    Greyscale { name: String },
+    /// Every texel is exactly black.
+    #[error("'{name}' is black all over and holds no normals")]
+    Black { name: String },
+    /// Not one texel is valid.
+    #[error("'{name}' holds no valid normal: every texel is black, too short or not finite")]
+    NoNormals { name: String },
+}
+
+/// Why a file could not be opened as a normal map; each message names the file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OpenError {
+    /// The image could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadImageError),
+    /// The image is no normal map.
+    #[error(transparent)]
+    Decode(#[from] DecodeError),
+}
+
+impl NormalMap {
+    /// Reads a file as a normal map, or as heights where the options say so.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn read(path: &Path, options: &MapOptions) -> Result<Self, OpenError> {
+        let image = image_io::read(path)?;
+        Ok(Self::from_image(image, MapSource::File(path.to_owned()), options)?)
+    }
+
+    /// Reads the bytes of a file that came without a path.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn read_bytes(name: &str, bytes: &[u8], options: &MapOptions) -> Result<Self, OpenError> {
+        let image = image_io::decode_bytes(name, bytes)?;
+        Ok(Self::from_image(image, MapSource::File(name.into()), options)?)
+    }
+
+    /// Decodes an image that is already in memory.
+    ///
+    /// # Errors
+    /// One sentence that names the source and the cause.
+    pub fn from_image(image: RasterImage, source: MapSource, options: &MapOptions) -> Result<Self, DecodeError> {
+        let name = source.to_string();
+        let mut map = match options.height_scale {
+            Some(scale) => from_heights(image, source, options, scale.into()),
+            None => from_normals(image, source, options)?,
+        };
+        if alpha_varies(&map.stored) {
+            map.warnings.push(Warning::AlphaVaries);
+        }
+        if map.invalid == map.len() {
+            return Err(DecodeError::NoNormals { name });
+        }
+        Ok(map)
+    }
+
+    /// A map of `image`'s size without normals yet.
+    fn unfilled(image: RasterImage, source: MapSource, options: &MapOptions) -> Self {
+        let texels = image.texels();
+        Self {
+            width: image.width,
+            height: image.height,
+            x: vec![0.0; texels],
+            y: vec![0.0; texels],
+            z: vec![0.0; texels],
+            invalid: 0,
+            options: options.clone(),
+            source,
+            stored: Arc::new(image),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Stores what `decode` gives for every texel: a unit normal and the length it was decoded with.
+    fn fill(&mut self, decode: impl Fn(usize) -> Option<(DVec3, f64)> + Sync) {
+        let width = self.width;
+        let planes = self.x.par_chunks_mut(width).zip(self.y.par_chunks_mut(width)).zip(self.z.par_chunks_mut(width));
+        let fill_row = |(row, ((x, y), z)): (usize, ((&mut [f32], &mut [f32]), &mut [f32]))| {
+            let mut tally = Tally::default();
+            for column in 0..width {
+                let Some((normal, length)) = decode(row * width + column) else {
+                    tally.invalid += 1;
+                    continue;
+                };
+                [x[column], y[column], z[column]] = normal.as_vec3().to_array();
+                tally.count_valid(length, normal.z);
+            }
+            tally
+        };
+        let tally = planes.enumerate().map(fill_row).reduce(Tally::default, Tally::plus);
+        self.invalid = tally.invalid;
+        self.warnings.extend(tally.warnings());
+    }
+}
+
+fn from_heights(image: RasterImage, source: MapSource, options: &MapOptions, scale: f64) -> NormalMap {
+    let in_color = image.color_channels() > 1 && !is_greyscale(&image);
+    let normals = HeightMap::from_image(&image).normals(scale, options.addressing);
+    let mut map = NormalMap::unfilled(image, source, options);
+    map.fill(|texel| normals[texel].map(|normal| (normal, 1.0)));
+    if in_color {
+        map.warnings.push(Warning::HeightsFromColor);
+    }
+    map
+}
+
+fn from_normals(image: RasterImage, source: MapSource, options: &MapOptions) -> Result<NormalMap, DecodeError> {
+    let name = source.to_string();
+    if (0..image.texels()).all(|texel| is_black(&image, texel)) {
+        return Err(DecodeError::Black { name });
+    }
+    let asked_for_two = options.two_channel && image.color_channels() > 1;
+    if !asked_for_two && is_greyscale(&image) {
+        return Err(DecodeError::Greyscale { name });
+    }
+    let decoder = Decoder::new(&image, options);
+    let mut map = NormalMap::unfilled(image, source, options);
+    map.warnings.extend(decoder.range.warning());
+    let stored = Arc::clone(&map.stored);
+    map.fill(|texel| decoder.decode(&stored, texel));
+    Ok(map)
+}
+
+/// How stored values become components.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Range {
+    /// Integers up to this full scale.
+    Integer(f64),
+    /// Floats from 0 to 1.
+    Unsigned,
+    /// Floats from -1 to 1.
+    Signed,
+}
+
+impl Range {
+    fn component(self, stored: f64) -> f64 {
+        match self {
+            Self::Integer(full_scale) => 2.0 * stored / full_scale - 1.0,
+            Self::Unsigned => 2.0 * stored - 1.0,
+            Self::Signed => stored,
+        }
+    }
+
+    fn warning(self) -> Option<Warning> {
+        match self {
+            Self::Integer(_) => None,
+            Self::Unsigned => Some(Warning::FloatsTakenAsUnsigned),
+            Self::Signed => Some(Warning::FloatsTakenAsSigned),
+        }
+    }
+}
+
+/// The conventions of one file.
+struct Decoder {
+    range: Range,
+    two_channel: bool,
+    y_sign: f64,
+}
+
+impl Decoder {
+    fn new(image: &RasterImage, options: &MapOptions) -> Self {
+        let two_channel = options.two_channel || image.color_channels() == 2;
+        let used = if two_channel { 2 } else { 3 };
+        Self {
+            range: range_of(image, used),
+            two_channel,
+            y_sign: if options.green == GreenChannel::Down { -1.0 } else { 1.0 },
+        }
+    }
+
+    /// The unit normal of a texel and the length it was decoded with, or `None` where it is invalid.
+    fn decode(&self, image: &RasterImage, texel: usize) -> Option<(DVec3, f64)> {
+        if is_black(image, texel) {
+            return None;
+        }
+        let component = |channel: usize| self.range.component(image.samples.get(texel * image.channels + channel));
+        let (x, y) = (component(0), self.y_sign * component(1));
+        let z = if self.two_channel { (1.0 - x * x - y * y).max(0.0).sqrt() } else { component(2) };
+        let vector = DVec3::new(x, y, z);
+        let length = vector.length();
+        (length.is_finite() && length >= SHORTEST).then(|| (vector / length, length))
+    }
+}
+
+fn range_of(image: &RasterImage, used: usize) -> Range {
+    if let Some(full_scale) = image.samples.full_scale() {
+        return Range::Integer(full_scale);
+    }
+    let negative = |texel: usize| (0..used).any(|channel| image.samples.get(texel * image.channels + channel) < 0.0);
+    if (0..image.texels()).any(negative) { Range::Signed } else { Range::Unsigned }
+}
+
+/// True where every colour sample of a texel is exactly 0.
+fn is_black(image: &RasterImage, texel: usize) -> bool {
+    let first = texel * image.channels;
+    (first..first + image.color_channels()).all(|index| image.samples.get(index) == 0.0)
+}
+
+/// True for one colour channel, or three that are equal nearly everywhere outside black; never for two.
+fn is_greyscale(image: &RasterImage) -> bool {
+    if image.color_channels() != 3 {
+        return image.color_channels() == 1;
+    }
+    let (mut colored, mut grey) = (0_usize, 0_usize);
+    for texel in (0..image.texels()).filter(|&texel| !is_black(image, texel)) {
+        let sample = |channel: usize| image.samples.get(texel * image.channels + channel);
+        let is_grey = sample(0) == sample(1) && sample(1) == sample(2);
+        *(if is_grey { &mut grey } else { &mut colored }) += 1;
+    }
+    grey as f64 > GREY_SHARE * (grey + colored) as f64
+}
+
+#[cfg(test)]
+#[path = "decode_tests.rs"]
+mod tests;

@@ -15,6 +15,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::image_io::RasterImage;
+pub use decode::{DecodeError, OpenError};
 pub use diagnose::Warning;
 
 /// The convention of a file's green channel.
@@ -86,6 +87,15 @@ pub struct NormalMap {
     pub stored: Arc<RasterImage>,
     /// What was odd about the file.
     pub warnings: Vec<Warning>,
+}
+
+impl std::fmt::Display for MapSource {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File(path) => write!(formatter, "{}", path.display()),
+            Self::Bundled(name) => formatter.write_str(name),
+        }
+    }
 }
 
 impl NormalMap {

@@ -1,3 +1,5 @@
-//! The tests that need more than one module: a file per law or face.
+//! One binary for all laws and faces, for wgpu links slowly: a module per law or face.
 
 mod gpu;
+mod house;
+mod opening;

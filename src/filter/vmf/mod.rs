@@ -1,6 +1,17 @@
 //! Mixtures of von Mises-Fisher lobes: fitting, alignment, storage and shading.
 
+pub mod base_slots;
+pub mod em;
+pub mod fit;
+pub mod fold;
+pub mod kernel;
+pub mod monitor;
 pub mod pyramid;
+pub mod samples;
+pub mod scanline;
+pub mod seed;
+pub mod smooth;
+pub mod unaligned;
 
 use std::sync::Arc;
 
@@ -14,6 +25,8 @@ use crate::sphere::Mixture;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf;
 
+pub use fit::{Alignment, FitEvent, FitSettings, LevelStats};
+pub use monitor::{Cancelled, Monitor};
 pub use pyramid::{BaseSlots, LobePyramid, MixtureLevel};
 
 /// Which slot each slot's channels are added to before shading: the identity shows the fit as it is, anything else

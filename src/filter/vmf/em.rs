@@ -1,0 +1,161 @@
+//! Spherical expectation maximisation of one texel (Banerjee et al. 2005; Han et al. 2007, Algorithm 1).
+//!
+//! E-step: `z_ij = alpha_j v_j(n_i) / sum_k alpha_k v_k(n_i)`; Han's print leaves out alpha, an error. M-step with
+//! sample weights w_i: `alpha_j = sum_i w_i z_ij`, `r_j = sum_i w_i z_ij n_i / alpha_j`, `mu_j = r_j / |r_j|`,
+//! `kappa_j = A^-1(|r_j|)`. The mean log-likelihood never falls from one iteration to the next, save where
+//! [`KAPPA_MAX`] holds a lobe back.
+
+use glam::DVec3;
+
+use super::kernel::{KernelLobes, Sums};
+use super::samples::FootprintSamples;
+use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
+use crate::sphere::vmf::{self, KAPPA_MAX, KappaRule};
+use crate::sphere::{Lobe, StoredLobe};
+
+/// A lobe whose share of the footprint falls below this is retired: it keeps its slot, empty.
+const RETIRED: f64 = EMPTY_WEIGHT as f64;
+
+/// The mixture of one texel while it is fitted, by slot.
+#[derive(Clone, Copy, Debug)]
+pub struct TexelLobes {
+    /// Slots in use.
+    pub count: usize,
+    /// Weights; 0 is an empty slot.
+    pub alpha: [f64; MAX_LOBES],
+    /// Mean resultant vectors r_j of length at most 1; a stored lobe is `(alpha, alpha r)`.
+    pub resultant: [DVec3; MAX_LOBES],
+}
+
+impl TexelLobes {
+    /// Empty slots.
+    pub fn empty(count: usize) -> Self {
+        Self { count: count.min(MAX_LOBES), alpha: [0.0; MAX_LOBES], resultant: [DVec3::ZERO; MAX_LOBES] }
+    }
+
+    /// One flat delta, for a footprint without a valid normal.
+    pub fn flat(count: usize) -> Self {
+        let mut lobes = Self::empty(count);
+        (lobes.alpha[0], lobes.resultant[0]) = (1.0, DVec3::Z);
+        lobes
+    }
+
+    /// Reads stored lobes.
+    pub fn from_stored(stored: &[StoredLobe]) -> Self {
+        let mut lobes = Self::empty(stored.len());
+        for (j, s) in stored.iter().enumerate().take(MAX_LOBES) {
+            if s[0] >= EMPTY_WEIGHT {
+                lobes.alpha[j] = f64::from(s[0]);
+                lobes.resultant[j] = glam::Vec3::new(s[1], s[2], s[3]).as_dvec3() / f64::from(s[0]);
+            }
+        }
+        lobes
+    }
+
+    /// The stored form of slot `j`.
+    pub fn stored(&self, j: usize) -> StoredLobe {
+        let r = (self.alpha[j] * self.resultant[j]).as_vec3();
+        [self.alpha[j] as f32, r.x, r.y, r.z]
+    }
+
+    /// Writes every slot to `target`.
+    pub fn store(&self, target: &mut [StoredLobe]) {
+        target.iter_mut().enumerate().for_each(|(j, slot)| *slot = self.stored(j));
+    }
+
+    /// The lobes as the E-step reads them, kappa capped at [`KAPPA_MAX`] because equal normals would drive the
+    /// likelihood to infinity.
+    pub fn for_e_step(&self, rule: KappaRule) -> KernelLobes {
+        let mut kernel = KernelLobes { count: self.count, ..Default::default() };
+        for j in 0..self.count {
+            if self.alpha[j] <= RETIRED {
+                continue;
+            }
+            let length = self.resultant[j].length();
+            let kappa = rule.concentration(1.0 - length).min(KAPPA_MAX);
+            kernel.mu[j] = self.resultant[j].try_normalize().unwrap_or(DVec3::Z).as_vec3().to_array();
+            kernel.neg_half_kappa[j] = (-0.5 * kappa) as f32;
+            kernel.log_scale[j] = (self.alpha[j].ln() + vmf::log_peak(kappa)) as f32;
+        }
+        kernel
+    }
+
+    /// The plain M-step from the sums of an E-step under `kernel`.
+    pub fn m_step(&mut self, kernel: &KernelLobes, sums: &Sums) {
+        for j in 0..self.count {
+            let weight = sums.weight[j];
+            self.alpha[j] = weight / sums.total;
+            if self.alpha[j] <= RETIRED {
+                (self.alpha[j], self.resultant[j]) = (0.0, DVec3::ZERO);
+                continue;
+            }
+            let mu = glam::Vec3::from(kernel.mu[j]).as_dvec3();
+            self.resultant[j] = (mu + DVec3::from(sums.deviation[j]) / weight).clamp_length_max(1.0);
+        }
+    }
+
+    /// Replaces resultants by the lengths that Banerjee's kappa stands for, so that it is what is stored and shown.
+    fn settle(&mut self, rule: KappaRule) {
+        if rule == KappaRule::Exact {
+            return;
+        }
+        for j in 0..self.count {
+            let lobe = Lobe {
+                weight: self.alpha[j],
+                mean_direction: self.resultant[j].try_normalize().unwrap_or(DVec3::Z),
+                concentration: rule.concentration(1.0 - self.resultant[j].length()),
+            };
+            let stored = lobe.to_stored();
+            self.resultant[j] = glam::Vec3::new(stored[1], stored[2], stored[3]).as_dvec3() / lobe.weight.max(1e-300);
+        }
+    }
+}
+
+/// When the iterations end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// Most iterations.
+    pub iterations: usize,
+    /// Least gain in mean log-likelihood per normal that goes on.
+    pub tolerance: f64,
+}
+
+/// A fitted texel.
+#[derive(Clone, Copy, Debug)]
+pub struct TexelFit {
+    /// The mixture.
+    pub lobes: TexelLobes,
+    /// Its mean log-likelihood, per normal and steradian.
+    pub mean_log_likelihood: f64,
+    /// Iterations used.
+    pub iterations: usize,
+}
+
+/// Runs EM from `seed` over the footprint's normals; `after_iteration` returns false to stop early.
+/// Without a valid normal the result is one flat lobe.
+pub fn fit(
+    samples: &FootprintSamples<'_>,
+    seed: TexelLobes,
+    stop: Stop,
+    rule: KappaRule,
+    mut after_iteration: impl FnMut() -> bool,
+) -> TexelFit {
+    let mut lobes = seed;
+    let (mut previous, mut iterations) = (f64::NEG_INFINITY, 0);
+    loop {
+        let kernel = lobes.for_e_step(rule);
+        let sums = samples.e_step(&kernel);
+        if sums.total <= 0.0 {
+            return TexelFit { lobes: TexelLobes::flat(seed.count), mean_log_likelihood: 0.0, iterations };
+        }
+        let mean_log_likelihood = sums.log_likelihood / sums.total;
+        let done = iterations >= stop.iterations || mean_log_likelihood - previous < stop.tolerance;
+        if done || !after_iteration() {
+            lobes.settle(rule);
+            return TexelFit { lobes, mean_log_likelihood, iterations };
+        }
+        previous = mean_log_likelihood;
+        lobes.m_step(&kernel, &sums);
+        iterations += 1;
+    }
+}

@@ -1,0 +1,214 @@
+//! Fitting every texel of every level: settings, the order of levels, and what is reported on the way.
+
+use std::str::FromStr;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::em::Stop;
+use super::monitor::{Cancelled, Monitor};
+use super::pyramid::{BaseSlots, LobePyramid, MixtureLevel};
+use super::{base_slots, scanline, smooth, unaligned};
+use crate::normal_map::NormalMap;
+use crate::sphere::vmf::KappaRule;
+
+/// How lobe j of neighbouring texels is made to mean the same thing, so that hardware may interpolate it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub enum Alignment {
+    /// Each texel's own best fit; for unaligned shading.
+    None,
+    /// Neighbours speak in the E-step with this share, and leave the mean directions alone.
+    Smooth {
+        /// The neighbours' share b, `0..1`.
+        blend: f32,
+    },
+    /// Han's pull of the mean directions towards the neighbours' (eq. 23), of this strength C.
+    Paper {
+        /// Strength C, at least 0.
+        c: f32,
+    },
+}
+
+impl Default for Alignment {
+    fn default() -> Self {
+        Self::Smooth { blend: Self::DEFAULT_BLEND }
+    }
+}
+
+impl Alignment {
+    /// The neighbours' share that [`Alignment::Smooth`] takes unless told.
+    pub const DEFAULT_BLEND: f32 = 0.15;
+}
+
+/// Why an alignment's name could not be read.
+#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+#[error(
+    "'{0}' is not an alignment: write none, smooth, smooth:B with B from 0 to 0.9, or paper:C with C from 0 to 100"
+)]
+pub struct ParseAlignmentError(String);
+
+impl FromStr for Alignment {
+    type Err = ParseAlignmentError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let number = |prefix: &str| text.strip_prefix(prefix).and_then(|value| value.parse::<f32>().ok());
+        match text {
+            "none" => Some(Self::None),
+            "smooth" => Some(Self::default()),
+            _ => number("smooth:")
+                .filter(|blend| (0.0..=0.9).contains(blend))
+                .map(|blend| Self::Smooth { blend })
+                .or_else(|| number("paper:").filter(|c| (0.0..=100.0).contains(c)).map(|c| Self::Paper { c })),
+        }
+        .ok_or_else(|| ParseAlignmentError(text.to_owned()))
+    }
+}
+
+impl std::fmt::Display for Alignment {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::None => formatter.write_str("none"),
+            Self::Smooth { blend } if *blend == Self::DEFAULT_BLEND => formatter.write_str("smooth"),
+            Self::Smooth { blend } => write!(formatter, "smooth:{blend}"),
+            Self::Paper { c } => write!(formatter, "paper:{c}"),
+        }
+    }
+}
+
+impl From<Alignment> for String {
+    fn from(alignment: Alignment) -> Self {
+        alignment.to_string()
+    }
+}
+
+impl TryFrom<String> for Alignment {
+    type Error = ParseAlignmentError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse()
+    }
+}
+
+/// How a map is fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FitSettings {
+    /// Lobes per texel J, `1..=16`.
+    pub lobes: usize,
+    /// How lobes are aligned.
+    pub align: Alignment,
+    /// Most EM iterations per texel; an aligned pass takes at most its own number of them.
+    pub iterations: usize,
+    /// Least gain in mean log-likelihood per normal that goes on.
+    pub tolerance: f64,
+    /// Which inverse of `A` gives kappa.
+    pub kappa: KappaRule,
+}
+
+impl Default for FitSettings {
+    fn default() -> Self {
+        Self { lobes: 6, align: Alignment::default(), iterations: 100, tolerance: 1e-5, kappa: KappaRule::Exact }
+    }
+}
+
+impl FitSettings {
+    /// The stopping rule of the unaligned fit.
+    pub fn stop(&self) -> Stop {
+        Stop { iterations: self.iterations, tolerance: self.tolerance }
+    }
+
+    /// Passes of the aligned fit over each level; 0 where there is none.
+    pub fn aligned_passes(&self) -> usize {
+        match self.align {
+            Alignment::None => 0,
+            Alignment::Smooth { .. } => smooth::PASSES.min(self.iterations),
+            Alignment::Paper { .. } => scanline::ITERATIONS.min(self.iterations),
+        }
+    }
+}
+
+/// What a fitted level came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LevelStats {
+    /// Mean over the level's texels of the mean log-likelihood of their normals.
+    pub mean_log_likelihood: f64,
+    /// Mean iterations, or passes, per texel.
+    pub mean_iterations: f64,
+    /// Seconds it took.
+    pub seconds: f64,
+}
+
+/// News from a running fit.
+#[derive(Clone, Debug)]
+pub enum FitEvent {
+    /// A level above the base is fitted. A fit that aligns reports each level twice, first unaligned.
+    Level {
+        /// Which level.
+        level: usize,
+        /// Its lobes.
+        mixtures: Arc<MixtureLevel>,
+        /// What it came to.
+        stats: LevelStats,
+        /// True when nothing better will follow.
+        last: bool,
+    },
+    /// The base level's slots are chosen: the fit is complete.
+    Base(Arc<BaseSlots>),
+}
+
+/// The normals that a fit of these settings is expected to visit, per level.
+pub fn expected_visits(map: &NormalMap, settings: &FitSettings) -> Vec<u64> {
+    let per_level = (map.len() * (settings.iterations + 1 + settings.aligned_passes())) as u64;
+    let levels = map.level_sizes().len();
+    (0..levels).map(|level| if level == 0 { map.len() as u64 } else { per_level }).collect()
+}
+
+/// Fits every level of `map` on the current thread pool, reporting each as it is done: the unaligned fit from the
+/// finest level up, then the aligned one from the coarsest down, then the base level's slots. Deterministic: the
+/// number of threads never changes a bit.
+pub fn fit(
+    map: &Arc<NormalMap>,
+    settings: &FitSettings,
+    monitor: &Monitor,
+    report: &mut dyn FnMut(FitEvent),
+) -> Result<LobePyramid, Cancelled> {
+    let mut lobes = LobePyramid::unfitted(Arc::clone(map));
+    let aligns = settings.align != Alignment::None;
+    for level in 1..lobes.levels() {
+        let timed = std::time::Instant::now();
+        let (mixtures, mut stats) = unaligned::fit_level(&lobes, level, settings, monitor)?;
+        stats.seconds = timed.elapsed().as_secs_f64();
+        keep(&mut lobes, level, mixtures, stats, !aligns, report);
+    }
+    if aligns {
+        // The top is shared by both fits; alignment starts below it.
+        for level in (1..lobes.levels() - 1).rev() {
+            let timed = std::time::Instant::now();
+            let (mixtures, mut stats) = match settings.align {
+                Alignment::Paper { c } => scanline::fit_level(&lobes, level, c, settings, monitor)?,
+                Alignment::Smooth { blend } => smooth::fit_level(&lobes, level, blend, settings, monitor)?,
+                Alignment::None => break,
+            };
+            stats.seconds = timed.elapsed().as_secs_f64();
+            keep(&mut lobes, level, mixtures, stats, true, report);
+        }
+    }
+    let base = Arc::new(base_slots::choose(&lobes, monitor)?);
+    lobes.base = Some(Arc::clone(&base));
+    report(FitEvent::Base(base));
+    Ok(lobes)
+}
+
+fn keep(
+    lobes: &mut LobePyramid,
+    level: usize,
+    mixtures: MixtureLevel,
+    stats: LevelStats,
+    last: bool,
+    report: &mut dyn FnMut(FitEvent),
+) {
+    let mixtures = Arc::new(mixtures);
+    lobes.coarse[level - 1] = Some(Arc::clone(&mixtures));
+    report(FitEvent::Level { level, mixtures, stats, last: last || level + 1 == lobes.levels() });
+}

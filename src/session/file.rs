@@ -1,0 +1,139 @@
+//! Session files, `*.ndfi.json`: what the window shows, as JSON that others script against.
+//!
+//! Missing keys take their defaults; unknown keys are kept and reported. Paths are relative to the file.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::{Comparison, MapRequest, Session};
+use crate::filter::vmf::FitSettings;
+use crate::lit_surface::LitSurface;
+use crate::normal_map::pyramid::Texel;
+use crate::normal_map::{MapOptions, MapSource};
+
+/// Which map a session shows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MapReference {
+    /// A file, relative to the session file.
+    Path(PathBuf),
+    /// A bundled map.
+    Bundled(String),
+}
+
+/// The contents of a session file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SessionFile {
+    /// The map; the default bundled one where it is missing.
+    pub map: Option<MapReference>,
+    /// How the map is read.
+    pub map_options: MapOptions,
+    /// How it is fitted.
+    pub fit: FitSettings,
+    /// The lit surface: shape, camera, light, material, level, exposure.
+    pub surface: LitSurface,
+    /// The methods compared and the wipe.
+    pub comparison: Comparison,
+    /// The selected texel.
+    pub selected: Option<Texel>,
+    /// Samples per pixel of the truth.
+    pub truth_samples: Option<u32>,
+    /// Keys of other versions and of the window's layout, kept as they are.
+    #[serde(flatten)]
+    pub other: Map<String, Value>,
+}
+
+/// Why a session file could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum SessionFileError {
+    /// The file could not be read at all.
+    #[error("'{path}' cannot be read: {cause}")]
+    Read {
+        /// The session file.
+        path: String,
+        /// What the system says.
+        cause: std::io::Error,
+    },
+    /// The file is not a session.
+    #[error("'{path}' is not a session file: {cause}")]
+    Parse {
+        /// The session file.
+        path: String,
+        /// What and where.
+        cause: serde_json::Error,
+    },
+}
+
+impl SessionFile {
+    /// Reads a session file and makes the map's path absolute.
+    ///
+    /// # Errors
+    /// A sentence that names the file and the cause.
+    pub fn read(path: &Path) -> Result<Self, SessionFileError> {
+        let name = || path.display().to_string();
+        let bytes = std::fs::read(path).map_err(|cause| SessionFileError::Read { path: name(), cause })?;
+        let mut file: Self =
+            serde_json::from_slice(&bytes).map_err(|cause| SessionFileError::Parse { path: name(), cause })?;
+        if let (Some(MapReference::Path(map)), Some(folder)) = (&mut file.map, path.parent()) {
+            *map = folder.join(&*map);
+        }
+        Ok(file)
+    }
+
+    /// The request that opens the session's map, if it names one.
+    pub fn map_request(&self) -> Option<MapRequest> {
+        let options = self.map_options.clone();
+        Some(match self.map.clone()? {
+            MapReference::Path(path) => MapRequest::File { path, options },
+            MapReference::Bundled(name) => MapRequest::Bundled { name, options },
+        })
+    }
+}
+
+impl Session {
+    /// What the session shows, as a file's contents; paths are left absolute.
+    pub fn to_file(&self) -> SessionFile {
+        SessionFile {
+            map: Some(match &self.map.source {
+                MapSource::File(path) => MapReference::Path(path.clone()),
+                MapSource::Bundled(name) => MapReference::Bundled((*name).to_owned()),
+            }),
+            map_options: self.map.options.clone(),
+            fit: *self.fit_settings(),
+            surface: self.surface,
+            comparison: self.comparison,
+            selected: Some(self.selected),
+            truth_samples: Some(self.truth_samples),
+            other: Map::new(),
+        }
+    }
+
+    /// Takes everything but the map from a file's contents, before the first fit starts.
+    pub fn apply(&mut self, file: &SessionFile) {
+        self.surface = file.surface;
+        self.comparison = file.comparison;
+        self.truth_samples = file.truth_samples.unwrap_or(self.truth_samples);
+        if let Some(texel) = file.selected {
+            self.select(texel);
+        }
+        self.fitting.restart(file.fit);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_session_file_keeps_what_it_does_not_know_and_defaults_what_it_lacks() {
+        let text = r#"{"fit": {"lobes": 3, "align": "paper:0.1"}, "future": {"x": 1}}"#;
+        let file: SessionFile = serde_json::from_str(text).expect("valid JSON");
+        assert_eq!(file.fit.lobes, 3);
+        assert_eq!(file.fit.iterations, FitSettings::default().iterations);
+        assert_eq!(file.surface, LitSurface::default());
+        assert!(serde_json::to_string(&file).expect("serialises").contains(r#""future":{"x":1}"#));
+    }
+}

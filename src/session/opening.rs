@@ -1,0 +1,133 @@
+//! Maps read in the background, and the system's file dialog off the window's thread.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::filter::PlainMip;
+use crate::jobs::{Job, JobEvent, Outbox, Wake};
+use crate::normal_map::{MapOptions, NormalMap, procedural};
+
+/// A map to open.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MapRequest {
+    /// A file.
+    File {
+        /// Where it is.
+        path: PathBuf,
+        /// How it is read.
+        options: MapOptions,
+    },
+    /// A bundled map.
+    Bundled {
+        /// Its name.
+        name: String,
+        /// How it is addressed; the rest does not apply.
+        options: MapOptions,
+    },
+    /// Bytes that were dropped on the window without a path.
+    Bytes {
+        /// The name they came with.
+        name: String,
+        /// The file's contents.
+        bytes: Arc<[u8]>,
+        /// How they are read.
+        options: MapOptions,
+    },
+}
+
+/// A map and its mean normals.
+pub type OpenedMap = (Arc<NormalMap>, Arc<PlainMip>);
+
+enum News {
+    Opened(OpenedMap),
+    Failed(String),
+    Dismissed,
+}
+
+/// The job that reads a map, if one runs.
+#[derive(Default)]
+pub struct Opening {
+    job: Option<Job<News>>,
+}
+
+impl Opening {
+    /// True while a map is being read or asked for.
+    pub fn is_running(&self) -> bool {
+        self.job.is_some()
+    }
+
+    /// Starts reading; an earlier request is dropped. `Err` is a sentence for the user.
+    pub fn start(&mut self, request: MapRequest, wake: &Wake) -> Result<(), String> {
+        self.spawn("open-map", wake, move |outbox| outbox.send(read_news(request)))
+    }
+
+    /// Asks for a file, then reads it. `Err` is a sentence for the user.
+    pub fn start_dialog(&mut self, options: MapOptions, wake: &Wake) -> Result<(), String> {
+        self.spawn("open-dialog", wake, move |outbox| {
+            let dialog = rfd::FileDialog::new().set_title("Open a normal map").add_filter("Images", &EXTENSIONS);
+            outbox.send(match dialog.pick_file() {
+                Some(path) => read_news(MapRequest::File { path, options }),
+                None => News::Dismissed,
+            });
+        })
+    }
+
+    fn spawn(
+        &mut self,
+        name: &str,
+        wake: &Wake,
+        work: impl FnOnce(&Outbox<News>) + Send + 'static,
+    ) -> Result<(), String> {
+        let job = Job::spawn(name, Arc::clone(wake), work);
+        self.job =
+            Some(job.map_err(|error| format!("The map cannot be opened: no thread could be started ({error})."))?);
+        Ok(())
+    }
+
+    /// Takes a map that was read, and the sentences for the user.
+    pub fn poll(&mut self) -> (Option<OpenedMap>, Vec<String>) {
+        match self.job.as_ref().and_then(Job::next) {
+            None => (None, Vec::new()),
+            Some(event) => {
+                self.job = None;
+                match event {
+                    JobEvent::News(News::Opened(map)) => (Some(map), Vec::new()),
+                    JobEvent::News(News::Failed(sentence)) => (None, vec![sentence]),
+                    JobEvent::News(News::Dismissed) => (None, Vec::new()),
+                    JobEvent::Panicked(text) => (None, vec![format!("The map could not be opened: {text}.")]),
+                }
+            }
+        }
+    }
+}
+
+/// Extensions that the dialog offers.
+const EXTENSIONS: [&str; 12] = ["png", "tga", "bmp", "tif", "tiff", "jpg", "jpeg", "webp", "hdr", "exr", "PNG", "TGA"];
+
+fn read_news(request: MapRequest) -> News {
+    match read(&request) {
+        Ok(map) => {
+            let map = Arc::new(map);
+            let mip = Arc::new(PlainMip::new(Arc::clone(&map)));
+            News::Opened((map, mip))
+        }
+        Err(sentence) => News::Failed(sentence),
+    }
+}
+
+/// Reads a map now. `Err` is a sentence that names the file and the cause.
+pub fn read(request: &MapRequest) -> Result<NormalMap, String> {
+    match request {
+        MapRequest::File { path, options } => NormalMap::read(path, options).map_err(|error| error.to_string()),
+        MapRequest::Bytes { name, bytes, options } => {
+            NormalMap::read_bytes(name, bytes, options).map_err(|error| error.to_string())
+        }
+        MapRequest::Bundled { name, options } => {
+            let sample = procedural::find(name)
+                .ok_or_else(|| format!("There is no bundled map named '{name}'; `sample --list` names them."))?;
+            let mut map = sample.make(procedural::DEFAULT_SIZE).map_err(|error| error.to_string())?;
+            map.options.addressing = options.addressing;
+            Ok(map)
+        }
+    }
+}
