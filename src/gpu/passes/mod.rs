@@ -1,3 +1,5 @@
-//! The passes of a frame, one file each, beside the shader of the same name.
+//! The passes of a frame, each beside its shader in `shaders/`.
 
+pub mod compare;
 pub mod sphere;
+pub mod surface;

@@ -1,15 +1,9 @@
-//! What the graphics adapter draws, held against the processor's twins.
+//! The choice of the adapter, and reading back.
 
-use std::sync::OnceLock;
-
-use ndf_inspector::gpu::{Gpu, context, readback};
+use ndf_inspector::gpu::{context, readback};
 use ndf_inspector::wgpu;
 
-/// One device for every test of this module.
-fn gpu() -> &'static Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| Gpu::headless().expect("a graphics adapter, software Vulkan at least"))
-}
+use super::gpu;
 
 #[test]
 fn exactly_one_listed_adapter_would_be_used_and_it_is_of_the_best_rank() {
