@@ -1,6 +1,7 @@
 //! What happens to a normal map when it is filtered.
 
 pub mod brdf;
+pub mod cli;
 pub mod color;
 pub mod filter;
 pub mod image_io;
