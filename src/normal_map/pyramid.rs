@@ -18,9 +18,7 @@ pub fn level_sizes(width: usize, height: usize) -> Vec<(usize, usize)> {
 }
 
 /// A texel's address: MIP level (0 is the base), column from the left, row from the top.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Texel {
     /// MIP level, 0 the base.
     pub level: usize,
@@ -39,10 +37,7 @@ impl FromStr for Texel {
     type Err = ParseTexelError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let fields: Option<Vec<usize>> = text
-            .split(',')
-            .map(|field| field.trim().parse().ok())
-            .collect();
+        let fields: Option<Vec<usize>> = text.split(',').map(|field| field.trim().parse().ok()).collect();
         match fields.as_deref() {
             Some(&[level, x, y]) => Ok(Self { level, x, y }),
             _ => Err(ParseTexelError(text.to_owned())),
@@ -75,22 +70,9 @@ impl Span {
         let (start, end) = (from / count, to.div_ceil(count));
         let part = |units: usize| units as f32 / count as f32;
         let single = end - start == 1;
-        let first = if single {
-            part(to - from)
-        } else {
-            part((start + 1) * count - from)
-        };
-        let last = if single {
-            first
-        } else {
-            part(to - (end - 1) * count)
-        };
-        Self {
-            start,
-            end,
-            first,
-            last,
-        }
+        let first = if single { part(to - from) } else { part((start + 1) * count - from) };
+        let last = if single { first } else { part(to - (end - 1) * count) };
+        Self { start, end, first, last }
     }
 
     /// Base texels touched.
@@ -132,10 +114,7 @@ pub struct Footprint {
 impl Footprint {
     /// The footprint of texel `(x, y)` of a level of size `level` over a base of size `base`.
     pub fn new(base: (usize, usize), level: (usize, usize), (x, y): (usize, usize)) -> Self {
-        Self {
-            columns: Span::new(base.0, level.0, x),
-            rows: Span::new(base.1, level.1, y),
-        }
+        Self { columns: Span::new(base.0, level.0, x), rows: Span::new(base.1, level.1, y) }
     }
 
     /// Base texels touched, in whole or in part.
@@ -160,9 +139,8 @@ impl Footprint {
 
     /// Every base texel touched as `(x, y, area)`, row by row.
     pub fn texels(&self) -> impl Iterator<Item = (usize, usize, f32)> + '_ {
-        (self.rows.start..self.rows.end).flat_map(move |y| {
-            (self.columns.start..self.columns.end).map(move |x| (x, y, self.weight(x, y)))
-        })
+        (self.rows.start..self.rows.end)
+            .flat_map(move |y| (self.columns.start..self.columns.end).map(move |x| (x, y, self.weight(x, y))))
     }
 }
 
@@ -183,24 +161,14 @@ mod tests {
                         }
                     }
                 }
-                assert!(
-                    area.iter().all(|a| (a - 1.0).abs() < 1e-6),
-                    "{w}x{h} at {size:?}: {area:?}"
-                );
+                assert!(area.iter().all(|a| (a - 1.0).abs() < 1e-6), "{w}x{h} at {size:?}: {area:?}");
             }
         }
     }
 
     #[test]
     fn a_texel_reads_as_level_x_y_and_nothing_else() {
-        assert_eq!(
-            "5,3,11".parse(),
-            Ok(Texel {
-                level: 5,
-                x: 3,
-                y: 11
-            })
-        );
+        assert_eq!("5,3,11".parse(), Ok(Texel { level: 5, x: 3, y: 11 }));
         assert!("5,3".parse::<Texel>().is_err());
         assert!("5,-3,1".parse::<Texel>().is_err());
     }

@@ -158,7 +158,7 @@ fn a_file_without_permission_is_refused() {
     let folder = folder();
     let path = folder.path().join("secret.png");
     std::fs::write(&path, encoded8(ImageFormat::Png)).unwrap();
-    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0)).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
     // The superuser may read anything, so there is nothing to see then.
     if std::fs::File::open(&path).is_err() {
         assert!(refusal(&path).ends_with("there is no permission to read it"));
@@ -278,7 +278,8 @@ fn an_openexr_claim_of_too_many_texels_is_refused() {
     let corner = start + 11 + 6 + 4 + 8;
     exr[corner..corner + 4].copy_from_slice(&99_999_i32.to_le_bytes());
     exr[corner + 4..corner + 8].copy_from_slice(&99_999_i32.to_le_bytes());
-    assert!(refusal_of_bytes("a.exr", &exr).contains("100000x100000"));
+    let sentence = refusal_of_bytes("a.exr", &exr);
+    assert!(sentence.contains("100000x100000"), "{sentence}");
 }
 
 #[test]
@@ -448,6 +449,38 @@ fn smallvec_of(
 }
 
 #[test]
+fn an_openexr_of_x_and_y_alone_is_a_map_of_two_channels() {
+    let folder = folder();
+    let path = folder.path().join("two.exr");
+    std::fs::write(&path, exr_with(&["X", "Y"], true)).unwrap();
+    let map = NormalMap::read(&path, &MapOptions::default()).unwrap();
+    // No sample is negative, so 0 to 1 is read as -1 to 1: texel 14 holds 14/64 and 24/64.
+    let (x, y) = (-36.0 / 64.0, -16.0 / 64.0_f32);
+    let expected = glam::Vec3::new(x, y, (1.0 - x * x - y * y).sqrt());
+    assert!((map.normal(14).unwrap() - expected).length() < 1e-6);
+}
+
+#[test]
+fn a_greyscale_file_opens_as_heights_where_asked() {
+    let folder = folder();
+    let path = folder.path().join("heights.png");
+    let ramp = image::ImageBuffer::from_fn(8, 4, |x, _| image::Luma([x as u16 * 8192]));
+    std::fs::write(
+        &path,
+        encoded(&DynamicImage::ImageLuma16(ramp), ImageFormat::Png),
+    )
+    .unwrap();
+    let options = MapOptions {
+        height_scale: Some(8.0),
+        ..MapOptions::default()
+    };
+    let map = NormalMap::read(&path, &options).unwrap();
+    // A step of 8192 of 65535 to a texel, times 8, is a slope of nearly 1 upwards to the right.
+    let normal = map.normal(3).unwrap();
+    assert!((normal.x / normal.z + 8.0 * 8192.0 / 65535.0).abs() < 1e-6 && normal.y == 0.0);
+}
+
+#[test]
 fn a_single_texel_is_a_map() {
     let folder = folder();
     let path = folder.path().join("one.png");
@@ -462,7 +495,7 @@ fn a_bundled_map_and_the_file_written_from_it_hold_the_same_normals() {
     let folder = folder();
     for sample in SAMPLES {
         let path = folder.path().join(sample.name);
-        let made = sample.make(48).unwrap();
+        let made = sample.make(48);
         let Samples::U8(rgb) = &made.stored.samples else {
             panic!("a bundled map has 8 bits")
         };
