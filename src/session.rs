@@ -17,7 +17,6 @@ use crate::filter::vmf::{FitSettings, LobePyramid};
 use crate::filter::{Method, PlainMip};
 use crate::jobs::Wake;
 use crate::lit_surface::LitSurface;
-use crate::normal_map::decode::DecodeError;
 use crate::normal_map::pyramid::Texel;
 use crate::normal_map::{MapOptions, MapSource, NormalMap, procedural};
 use fitting::Fitting;
@@ -72,8 +71,8 @@ pub struct Session {
 
 impl Session {
     /// A session with the default bundled map, not fitted yet; `wake` is called when news wait.
-    pub fn new(wake: Wake) -> Result<Self, DecodeError> {
-        Ok(Self::with_map(procedural::default_map()?, wake))
+    pub fn new(wake: Wake) -> Self {
+        Self::with_map(procedural::default_map(), wake)
     }
 
     /// A session with this map, not fitted yet.
