@@ -4,12 +4,17 @@ pub mod brdf;
 pub mod cli;
 pub mod color;
 pub mod filter;
+pub mod gpu;
 pub mod image_io;
 pub mod jobs;
 pub mod lighting;
 pub mod lit_surface;
 pub mod ndf;
 pub mod normal_map;
+pub mod reference;
 pub mod scene;
 pub mod session;
 pub mod sphere;
+
+/// The graphics interface, in the version that the window toolkit draws with.
+pub use egui_wgpu::wgpu;

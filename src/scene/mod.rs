@@ -5,5 +5,5 @@ pub mod mesh;
 pub mod shapes;
 
 pub use camera::Camera;
-pub use mesh::Mesh;
+pub use mesh::{Mesh, Vertex};
 pub use shapes::{Shape, ShapeKind};

@@ -1,4 +1,5 @@
 //! One binary for all laws and faces, for wgpu links slowly: a module per law or face.
 
+mod gpu;
 mod house;
 mod opening;

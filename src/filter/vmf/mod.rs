@@ -15,7 +15,7 @@ pub mod unaligned;
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
 
 use super::sampling::{Grid, trilinear};
 use super::{Filter, LocalLight, Lookup, reflect};
@@ -107,7 +107,7 @@ impl Filter for VmfFilter {
 /// `alpha (Ks Bs(w_h . mu) + Kd) cos` of one stored lobe (Han et al. 2007, Algorithm 2), linear RGB.
 fn shade_lobe(stored: glam::Vec4, light: &LocalLight, material: &Material) -> Vec3 {
     let weight = stored.x;
-    let resultant = stored.truncate() / weight;
+    let resultant = stored.yzw() / weight;
     let length = resultant.length();
     let mu = resultant / length.max(1e-12);
     let kappa = vmf::concentration(1.0 - f64::from(length));

@@ -1,0 +1,56 @@
+// Twin of filter/mod.rs and of lit_surface.rs.
+
+const TAU: f32 = 6.2831855;
+
+// A Lambertian and a Blinn-Phong part.
+struct Material {
+    shininess: f32,
+    specular: f32,
+    diffuse: f32,
+    convolution: u32,
+    specular_color: vec3f,
+    diffuse_color: vec3f,
+}
+
+// A pixel's view of the map.
+struct Lookup {
+    uv: vec2f,
+    uv_dx: vec2f,
+    uv_dy: vec2f,
+    pixel: vec2u,
+}
+
+// Light and view at a surface point, in the tangent space of the surface.
+struct LocalLight {
+    light_in_tangent: vec3f,
+    half_in_tangent: vec3f,
+}
+
+// The unit vector along `v`, or zero where it has no length: normalize() would give NaN.
+fn normalize_or_zero(v: vec3f) -> vec3f {
+    let squared = dot(v, v);
+    if squared > 1e-30 {
+        return v * inverseSqrt(squared);
+    }
+    return vec3f(0.0);
+}
+
+// (Ks f(h) + Kd) max(cos, 0) of one lobe or normal (Han et al. 2007, Algorithm 2), linear RGB.
+fn reflect(material: Material, exponent: f32, half_cosine: f32, light_cosine: f32) -> vec3f {
+    // pow(0, 0) differs between processors; a cosine of 0 contributes only where the exponent is 0.
+    var power = select(0.0, 1.0, exponent == 0.0);
+    if half_cosine > 0.0 {
+        power = exp(exponent * log(half_cosine));
+    }
+    let specular = material.specular * (exponent + 1.0) / TAU * power;
+    return (specular * material.specular_color + material.diffuse * material.diffuse_color) * max(light_cosine, 0.0);
+}
+
+// log2 of the footprint's longer side in base texels, within `range`; a `fixed_level` of 0 or more replaces it.
+fn level_of_detail(fixed_level: f32, uv_dx: vec2f, uv_dy: vec2f, base: vec2f, range: vec2f) -> f32 {
+    var lod = fixed_level;
+    if fixed_level < 0.0 {
+        lod = log2(max(max(length(uv_dx * base), length(uv_dy * base)), 1e-12));
+    }
+    return clamp(lod, range.x, range.y);
+}

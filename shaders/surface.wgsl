@@ -1,0 +1,211 @@
+// The lit surface, one entry point per method; radiance in linear light, before exposure, alpha 1 where it is seen.
+// `truth` adds its samples to the sum so far; the others are whole pictures.
+
+struct Frame {
+    clip_from_world: mat4x4f,
+    eye_in_world: vec3f,
+    shininess: f32,
+    light_in_world: vec3f,
+    fixed_level: f32,
+    radiance: vec3f,
+    convolution: u32,
+    specular_color: vec3f,
+    specular: f32,
+    diffuse_color: vec3f,
+    diffuse: f32,
+    tiling: vec2f,
+    base_size: vec2f,
+    mip_lods: vec2f,
+    vmf_lods: vec2f,
+    base_level: f32,
+    lobe_level: f32,
+    lobes: u32,
+    wraps: u32,
+    first_sample: u32,
+    sample_count: u32,
+    padding: vec2u,
+    fold: array<vec4u, 4>,
+}
+
+// Weights below this are an empty slot (sphere/mixture.rs).
+const EMPTY_WEIGHT: f32 = 1e-7;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+
+// Mean normals of every level; the first level holds the map's own normals, zero where they are invalid.
+@group(1) @binding(0) var means: texture_2d<f32>;
+// The slot of each base texel's only lobe.
+@group(1) @binding(1) var base_slots: texture_2d<u32>;
+// Stored lobes, a layer per slot, from level 1 upward.
+@group(1) @binding(2) var lobes: texture_2d_array<f32>;
+@group(1) @binding(3) var trilinear: sampler;
+
+// The sum of the truth's samples so far.
+@group(2) @binding(0) var sum_so_far: texture_2d<f32>;
+
+struct Corner {
+    @location(0) position_in_world: vec3f,
+    @location(1) tangent_in_world: vec3f,
+    @location(2) normal_in_world: vec3f,
+    @location(3) uv: vec2f,
+}
+
+struct Point {
+    @builtin(position) position: vec4f,
+    @location(0) position_in_world: vec3f,
+    @location(1) tangent_in_world: vec3f,
+    @location(2) normal_in_world: vec3f,
+    @location(3) uv: vec2f,
+}
+
+@vertex
+fn vertex(corner: Corner) -> Point {
+    let position = frame.clip_from_world * vec4f(corner.position_in_world, 1.0);
+    let uv = corner.uv * frame.tiling;
+    return Point(position, corner.position_in_world, corner.tangent_in_world, corner.normal_in_world, uv);
+}
+
+fn material() -> Material {
+    return Material(
+        frame.shininess,
+        frame.specular,
+        frame.diffuse,
+        frame.convolution,
+        frame.specular_color,
+        frame.diffuse_color,
+    );
+}
+
+// Fine derivatives, explicitly: the coarse ones may leave out half the quad, and the processor's twin takes these.
+fn lookup_of(point: Point) -> Lookup {
+    return Lookup(point.uv, dpdxFine(point.uv), dpdyFine(point.uv), vec2u(point.position.xy));
+}
+
+fn local_light(point: Point) -> LocalLight {
+    let normal = normalize_or_zero(point.normal_in_world);
+    let tangent = normalize_or_zero(point.tangent_in_world - normal * dot(normal, point.tangent_in_world));
+    let bitangent = cross(normal, tangent);
+    let to_eye = normalize_or_zero(frame.eye_in_world - point.position_in_world);
+    let sum = to_eye + frame.light_in_world;
+    let half = select(normal, normalize_or_zero(sum), dot(sum, sum) > 1e-30);
+    // Rows are the frame's axes, so multiplying from the right takes world to tangent space.
+    let world_from_tangent = mat3x3f(tangent, bitangent, normal);
+    return LocalLight(frame.light_in_world * world_from_tangent, half * world_from_tangent);
+}
+
+@fragment
+fn truth(point: Point) -> @location(0) vec4f {
+    let lookup = lookup_of(point);
+    let light = local_light(point);
+    let size = vec2i(textureDimensions(means));
+    var sum = textureLoad(sum_so_far, vec2i(lookup.pixel), 0).rgb;
+    for (var i = 0u; i < frame.sample_count; i++) {
+        let offset = jitter(lookup.pixel, frame.first_sample + i);
+        let uv = lookup.uv + offset.x * lookup.uv_dx + offset.y * lookup.uv_dy;
+        let texel = vec2i(
+            nearest_texel(uv.x, size.x, frame.wraps != 0u),
+            nearest_texel(uv.y, size.y, frame.wraps != 0u),
+        );
+        let normal = textureLoad(means, texel, 0).xyz;
+        let half_cosine = dot(normal, light.half_in_tangent);
+        let light_cosine = dot(normal, light.light_in_tangent);
+        sum += frame.radiance * reflect(material(), frame.shininess, half_cosine, light_cosine);
+    }
+    return vec4f(sum, 1.0);
+}
+
+@fragment
+fn mip(point: Point) -> @location(0) vec4f {
+    let lookup = lookup_of(point);
+    let light = local_light(point);
+    let lod = level_of_detail(frame.fixed_level, lookup.uv_dx, lookup.uv_dy, frame.base_size, frame.mip_lods);
+    let normal = normalize_or_zero(textureSampleLevel(means, trilinear, lookup.uv, lod - frame.base_level).xyz);
+    let half_cosine = dot(normal, light.half_in_tangent);
+    let light_cosine = dot(normal, light.light_in_tangent);
+    return vec4f(frame.radiance * reflect(material(), frame.shininess, half_cosine, light_cosine), 1.0);
+}
+
+// The base texels around a point, each a lobe (1, n) in a slot of its own.
+struct BaseTaps {
+    lobe: array<vec4f, 4>,
+    slot: vec4u,
+}
+
+fn base_taps(uv: vec2f) -> BaseTaps {
+    var result = BaseTaps();
+    let taps = bilinear(uv, vec2i(textureDimensions(means)), frame.wraps != 0u);
+    var texels = taps.texel;
+    for (var i = 0; i < 4; i++) {
+        let normal = textureLoad(means, texels[i], 0).xyz;
+        let valid = select(0.0, 1.0, any(normal != vec3f(0.0)));
+        result.lobe[i] = taps.weight[i] * vec4f(valid, normal);
+        result.slot[i] = fold(textureLoad(base_slots, texels[i], 0).r);
+    }
+    return result;
+}
+
+// The slot that `slot` is added to before shading.
+fn fold(slot: u32) -> u32 {
+    return frame.fold[slot / 4u][slot % 4u];
+}
+
+// The interpolated channels of every slot that folds into `target_slot`, from level 1 upward.
+fn coarse_lobe(uv: vec2f, lod: f32, target_slot: u32) -> vec4f {
+    var stored = vec4f(0.0);
+    for (var slot = 0u; slot < frame.lobes; slot++) {
+        if fold(slot) == target_slot {
+            stored += textureSampleLevel(lobes, trilinear, uv, slot, lod - frame.lobe_level);
+        }
+    }
+    return stored;
+}
+
+fn base_lobe(base: BaseTaps, target_slot: u32) -> vec4f {
+    var stored = vec4f(0.0);
+    var taps = base;
+    for (var i = 0; i < 4; i++) {
+        if taps.slot[i] == target_slot {
+            stored += taps.lobe[i];
+        }
+    }
+    return stored;
+}
+
+// alpha (Ks Bs(w_h . mu) + Kd) cos of one stored lobe (Han et al. 2007, Algorithm 2), linear RGB.
+fn shade_lobe(stored: vec4f, light: LocalLight, material: Material) -> vec3f {
+    let weight = stored.x;
+    let resultant = stored.yzw / weight;
+    let length = length(resultant);
+    let mu = resultant / max(length, 1e-12);
+    let kappa = concentration(1.0 - length);
+    let exponent = blurred_exponent(material.convolution, kappa, material.shininess);
+    let half_cosine = dot(mu, light.half_in_tangent);
+    return weight * reflect(material, exponent, half_cosine, dot(mu, light.light_in_tangent));
+}
+
+@fragment
+fn vmf(point: Point) -> @location(0) vec4f {
+    let lookup = lookup_of(point);
+    let light = local_light(point);
+    let lod = level_of_detail(frame.fixed_level, lookup.uv_dx, lookup.uv_dy, frame.base_size, frame.vmf_lods);
+    // The base level is not stored as lobes: below level 1 its normals are blended in by hand.
+    let base_share = clamp(1.0 - lod, 0.0, 1.0);
+    var base = BaseTaps();
+    if base_share > 0.0 {
+        base = base_taps(lookup.uv);
+    }
+    var sum = vec3f(0.0);
+    for (var slot = 0u; slot < frame.lobes; slot++) {
+        var stored = vec4f(0.0);
+        if base_share < 1.0 {
+            stored = (1.0 - base_share) * coarse_lobe(lookup.uv, max(lod, 1.0), slot);
+        }
+        if base_share > 0.0 {
+            stored += base_share * base_lobe(base, slot);
+        }
+        if stored.x > EMPTY_WEIGHT {
+            sum += shade_lobe(stored, light, material());
+        }
+    }
+    return vec4f(frame.radiance * sum, 1.0);
+}

@@ -1,0 +1,368 @@
+//! The frame: uploads, a picture of the surface per method shown, and their comparison.
+//!
+//! The window and the command line record the same frame. A picture is drawn again only when something it depends on
+//! has changed; the truth goes on adding samples until it has enough.
+
+use std::sync::Arc;
+
+use super::context::Gpu;
+use super::passes::compare::{CompareData, ComparePass};
+use super::passes::surface::{FrameData, SurfacePass, Target, index};
+use super::readback::{self, ReadbackError};
+use super::textures::MapTextures;
+use crate::brdf::ConvolutionRule;
+use crate::filter::vmf::{Fold, LobePyramid};
+use crate::filter::{Method, PlainMip};
+use crate::lit_surface::{LevelChoice, LitSurface};
+use crate::normal_map::Addressing;
+use crate::wgpu;
+
+/// Everything a frame shows.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameInput<'a> {
+    /// The surface.
+    pub surface: &'a LitSurface,
+    /// The map and its mean normals.
+    pub mip: &'a Arc<PlainMip>,
+    /// The lobes at hand, of the same map.
+    pub lobes: &'a LobePyramid,
+    /// How slots are merged before shading.
+    pub fold: Fold,
+    /// The method left of the wipe.
+    pub left: Method,
+    /// The method right of the wipe.
+    pub right: Method,
+    /// Where the left side ends, 0 (right side only) to 1 (left side only).
+    pub wipe: f32,
+    /// Pixels across and down.
+    pub size: [u32; 2],
+}
+
+/// How much a frame may do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameBudget {
+    /// Samples per pixel after which the truth is finished.
+    pub truth_limit: u32,
+    /// Samples per pixel that one frame adds.
+    pub truth_batch: u32,
+    /// Bytes of textures that one frame uploads.
+    pub upload_bytes: u64,
+}
+
+impl Default for FrameBudget {
+    fn default() -> Self {
+        Self { truth_limit: 1024, truth_batch: 16, upload_bytes: 32 << 20 }
+    }
+}
+
+/// The GPU objects of the frame, and what they hold at present.
+#[derive(Debug)]
+pub struct SurfaceFrame {
+    /// How much a frame may do.
+    pub budget: FrameBudget,
+    textures: MapTextures,
+    surface: SurfacePass,
+    compare: ComparePass,
+    targets: Option<Targets>,
+    drawn: [Option<Key>; 3],
+    truth_samples: u32,
+    truth_shown: bool,
+}
+
+/// The pictures: two for the truth, which takes turns reading one and writing the other, then mip and vmf.
+#[derive(Debug)]
+struct Targets {
+    size: [u32; 2],
+    truth: [Target; 2],
+    /// Which of the two holds the sum so far.
+    latest: usize,
+    mip: Target,
+    vmf: Target,
+}
+
+/// What one method's picture depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct Key {
+    surface: LitSurface,
+    size: [u32; 2],
+    revisions: [u64; 2],
+    fold: Fold,
+    lods: Option<[f32; 2]>,
+}
+
+impl Targets {
+    fn new(pass: &SurfacePass, device: &wgpu::Device, size: [u32; 2]) -> Self {
+        let target = |label| pass.target(device, label, size);
+        let truth = [target("truth, even"), target("truth, odd")];
+        Self { size, truth, latest: 0, mip: target("mip"), vmf: target("vmf") }
+    }
+
+    fn of(&self, method: Method) -> &Target {
+        match method {
+            Method::Truth => &self.truth[self.latest],
+            Method::Mip => &self.mip,
+            Method::Vmf => &self.vmf,
+        }
+    }
+}
+
+impl SurfaceFrame {
+    /// Compiles everything for final targets of `target_format`, which must not encode sRGB itself.
+    pub fn new(device: &wgpu::Device, target_format: wgpu::TextureFormat) -> Self {
+        let textures = MapTextures::new(device);
+        let surface = SurfacePass::new(device, textures.layout());
+        Self {
+            budget: FrameBudget::default(),
+            surface,
+            compare: ComparePass::new(device, target_format),
+            textures,
+            targets: None,
+            drawn: [None, None, None],
+            truth_samples: 0,
+            truth_shown: false,
+        }
+    }
+
+    /// Records the uploads and pictures that are due into `encoder`. At most once per submission.
+    pub fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &FrameInput<'_>,
+    ) {
+        self.textures.set_map(input.mip);
+        self.textures.set_lobes(input.lobes);
+        self.textures.pump(queue, self.budget.upload_bytes);
+        let size = input.size.map(|pixels| pixels.clamp(1, device.limits().max_texture_dimension_2d));
+        let mut targets = self
+            .targets
+            .take()
+            .filter(|targets| targets.size == size)
+            .unwrap_or_else(|| Targets::new(&self.surface, device, size));
+        let (left, right) = shown(input);
+        self.truth_shown = [left, right].contains(&Method::Truth);
+        if self.truth_shown && self.drawn[index(Method::Truth)].as_ref() != Some(&self.key(Method::Truth, input, size))
+        {
+            self.truth_samples = 0;
+        }
+        let due: Vec<Method> = Method::ALL
+            .into_iter()
+            .filter(|&method| (method == left || method == right) && self.is_due(method, input, size))
+            .collect();
+        if !due.is_empty() {
+            let data = self.frame_data(input, size);
+            self.surface.prepare(device, queue, input.surface.shape.kind, &data);
+        }
+        for method in due {
+            self.draw_method(encoder, method, input, &mut targets);
+        }
+        let views = [targets.of(left).view(), targets.of(right).view()];
+        self.compare.prepare(device, queue, views, &self.compare_data(input, size));
+        self.targets = Some(targets);
+    }
+
+    /// Draws the comparison over the pass's viewport.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.compare.draw(pass);
+    }
+
+    /// Samples per pixel that the truth has so far.
+    pub fn truth_samples(&self) -> u32 {
+        self.truth_samples
+    }
+
+    /// True while another frame would look better: uploads are under way, or the truth is shown and unfinished.
+    pub fn wants_more(&self) -> bool {
+        self.textures.pending_bytes() > 0 || self.truth_shown && self.truth_samples < self.budget.truth_limit
+    }
+
+    /// Finest levels of the map that are not shown because the adapter cannot hold them.
+    pub fn left_out(&self) -> usize {
+        self.textures.left_out
+    }
+
+    /// Finest and coarsest level that `method` reads at present; `None` while it has nothing to read.
+    pub fn lod_range(&self, method: Method) -> Option<[f32; 2]> {
+        match method {
+            Method::Truth => self.textures.base_is_complete().then_some([0.0, 0.0]),
+            Method::Mip => self.textures.mip_lods(),
+            Method::Vmf => self.textures.vmf_lods(),
+        }
+    }
+
+    /// The picture of one method as last drawn: exposed linear RGB, and 1 where the surface is seen. Waits.
+    pub fn linear(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        method: Method,
+    ) -> Result<Vec<[f32; 4]>, ReadbackError> {
+        let (Some(targets), Some(key)) = (&self.targets, &self.drawn[index(method)]) else { return Ok(Vec::new()) };
+        let scale = self.scale(method, key.surface.exposure());
+        let texels = readback::read_rgba32f(device, queue, &targets.of(method).color)?;
+        Ok(texels.into_iter().map(|[r, g, b, a]| [scale * r, scale * g, scale * b, a]).collect())
+    }
+
+    fn key(&self, method: Method, input: &FrameInput<'_>, size: [u32; 2]) -> Key {
+        let mut surface = *input.surface;
+        let mut fold = input.fold;
+        if method != Method::Vmf {
+            fold = Fold::default();
+            surface.material.convolution = ConvolutionRule::default();
+        }
+        if method == Method::Truth {
+            surface.level = LevelChoice::default();
+        }
+        let revisions = match method {
+            Method::Truth => [self.textures.map_revision, 0],
+            Method::Mip => [self.textures.means_revision, 0],
+            Method::Vmf => [self.textures.means_revision, self.textures.lobes_revision],
+        };
+        Key { surface, size, revisions, fold, lods: self.lod_range(method) }
+    }
+
+    fn is_due(&self, method: Method, input: &FrameInput<'_>, size: [u32; 2]) -> bool {
+        let unfinished = method == Method::Truth && self.truth_samples < self.budget.truth_limit;
+        unfinished || self.drawn[index(method)].as_ref() != Some(&self.key(method, input, size))
+    }
+
+    fn frame_data(&self, input: &FrameInput<'_>, size: [u32; 2]) -> FrameData {
+        let map = &input.mip.map;
+        let mut data = FrameData {
+            base_size: [map.width as f32, map.height as f32],
+            mip_lods: self.textures.mip_lods().unwrap_or_default(),
+            vmf_lods: self.textures.vmf_lods().unwrap_or_default(),
+            base_level: self.textures.left_out as f32,
+            lobe_level: self.textures.lobe_level() as f32,
+            lobes: self.textures.slots() as u32,
+            wraps: u32::from(map.options.addressing == Addressing::Wrap),
+            first_sample: self.truth_samples,
+            sample_count: self.samples_due(),
+            ..FrameData::of_surface(input.surface, size)
+        };
+        data.set_fold(&input.fold);
+        data
+    }
+
+    fn draw_method(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        method: Method,
+        input: &FrameInput<'_>,
+        targets: &mut Targets,
+    ) {
+        let key = self.key(method, input, targets.size);
+        let what = (input.surface.shape.kind, method);
+        if self.lod_range(method).is_none() {
+            self.surface.clear(encoder, targets.of(method));
+        } else if method == Method::Truth {
+            if self.truth_samples == 0 {
+                self.surface.clear(encoder, targets.of(method));
+            }
+            let next = 1 - targets.latest;
+            let (sum, target) = (&targets.truth[targets.latest], &targets.truth[next]);
+            self.surface.draw(encoder, what, &self.textures, target, Some(sum));
+            targets.latest = next;
+            self.truth_samples += self.samples_due();
+        } else {
+            self.surface.draw(encoder, what, &self.textures, targets.of(method), None);
+        }
+        self.drawn[index(method)] = Some(key);
+    }
+
+    /// Samples of the truth that the next frame adds.
+    fn samples_due(&self) -> u32 {
+        self.budget.truth_batch.min(self.budget.truth_limit.saturating_sub(self.truth_samples))
+    }
+
+    fn scale(&self, method: Method, exposure: f32) -> f32 {
+        match method {
+            Method::Truth => exposure / self.truth_samples.max(1) as f32,
+            Method::Mip | Method::Vmf => exposure,
+        }
+    }
+
+    fn compare_data(&self, input: &FrameInput<'_>, size: [u32; 2]) -> CompareData {
+        let (left, right) = shown(input);
+        let exposure = input.surface.exposure();
+        CompareData {
+            left_scale: self.scale(left, exposure),
+            right_scale: self.scale(right, exposure),
+            wipe: (input.wipe * size[0] as f32).round(),
+            divider: if left == right { 0.0 } else { 1.0 },
+        }
+    }
+}
+
+/// The methods that are seen, left and right of the wipe.
+fn shown(input: &FrameInput<'_>) -> (Method, Method) {
+    if input.wipe >= 1.0 {
+        (input.left, input.left)
+    } else if input.wipe <= 0.0 {
+        (input.right, input.right)
+    } else {
+        (input.left, input.right)
+    }
+}
+
+/// The format of pictures that are read back.
+pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+impl SurfaceFrame {
+    /// Records and submits frames until nothing more is to come: every upload, every sample of the truth.
+    pub fn complete(&mut self, gpu: &Gpu, input: &FrameInput<'_>) -> Result<(), ReadbackError> {
+        loop {
+            let label = wgpu::CommandEncoderDescriptor { label: Some("surface frame") };
+            let mut encoder = gpu.device.create_command_encoder(&label);
+            self.prepare(&gpu.device, &gpu.queue, &mut encoder, input);
+            gpu.queue.submit([encoder.finish()]);
+            // Waiting keeps the copies of a large map from piling up.
+            let waited = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+            waited.map_err(|error| ReadbackError::Device(error.to_string()))?;
+            if !self.wants_more() {
+                return Ok(());
+            }
+        }
+    }
+
+    /// The final picture as last prepared, sRGB, four bytes a pixel. The frame must be for [`PICTURE_FORMAT`].
+    pub fn picture(&self, gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Vec<u8>, ReadbackError> {
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("picture"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: PICTURE_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let named = wgpu::TextureViewDescriptor { label: Some("picture"), ..Default::default() };
+        let view = texture.create_view(&named);
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("picture"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations::default(),
+            })],
+            ..Default::default()
+        });
+        self.draw(&mut pass);
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+        readback::read_bytes(&gpu.device, &gpu.queue, &texture)
+    }
+}
+
+/// The finished picture of `input`, sRGB, four bytes a pixel, with `truth_samples` samples per pixel where the truth
+/// is shown.
+pub fn render_to_rgba8(gpu: &Gpu, input: &FrameInput<'_>, truth_samples: u32) -> Result<Vec<u8>, ReadbackError> {
+    let mut frame = SurfaceFrame::new(&gpu.device, PICTURE_FORMAT);
+    frame.budget = FrameBudget { truth_limit: truth_samples, truth_batch: 64, upload_bytes: 256 << 20 };
+    frame.complete(gpu, input)?;
+    frame.picture(gpu, input.size)
+}

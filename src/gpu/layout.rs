@@ -1,0 +1,81 @@
+//! What Rust and WGSL share: shader modules put together from their parts, and the plain resources passes need.
+
+use std::borrow::Cow;
+
+use crate::wgpu;
+
+/// sRGB encoding, the twin of `color.rs`.
+pub const SRGB: &str = include_str!("../../shaders/shared/srgb.wgsl");
+/// The von Mises-Fisher lobe, the twin of `sphere/vmf.rs`.
+pub const VMF: &str = include_str!("../../shaders/shared/vmf.wgsl");
+/// Blinn-Phong, the twin of `brdf/blinn_phong.rs`.
+pub const BLINN_PHONG: &str = include_str!("../../shaders/shared/blinn_phong.wgsl");
+/// Material, lookup and reflection, the twin of `filter/mod.rs`.
+pub const FILTER: &str = include_str!("../../shaders/shared/filter.wgsl");
+/// Interpolation by hand, the twin of `filter/sampling.rs`.
+pub const SAMPLING: &str = include_str!("../../shaders/shared/sampling.wgsl");
+/// The truth's jitter, the twin of `filter/truth.rs`.
+pub const TRUTH: &str = include_str!("../../shaders/shared/truth.wgsl");
+
+/// A shader module of `parts`, one after the other.
+pub fn shader(device: &wgpu::Device, label: &str, parts: &[&str]) -> wgpu::ShaderModule {
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(label),
+        source: wgpu::ShaderSource::Wgsl(Cow::Owned(parts.concat())),
+    })
+}
+
+/// A uniform buffer for a `T`.
+pub fn uniform_buffer<T: bytemuck::Pod>(device: &wgpu::Device, label: &str) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: size_of::<T>() as u64,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// A bind group layout whose bindings are numbered in order.
+pub fn bind_group_layout(
+    device: &wgpu::Device,
+    label: &str,
+    visibility: wgpu::ShaderStages,
+    types: &[wgpu::BindingType],
+) -> wgpu::BindGroupLayout {
+    let entry = |(binding, &ty): (usize, &wgpu::BindingType)| wgpu::BindGroupLayoutEntry {
+        binding: binding as u32,
+        visibility,
+        ty,
+        count: None,
+    };
+    let entries: Vec<_> = types.iter().enumerate().map(entry).collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+/// A bind group whose bindings are numbered in order.
+pub fn bind_group(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: &[wgpu::BindingResource<'_>],
+) -> wgpu::BindGroup {
+    let numbered = resources.iter().zip(0..);
+    let entries: Vec<_> =
+        numbered.map(|(resource, binding)| wgpu::BindGroupEntry { binding, resource: resource.clone() }).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}
+
+/// A uniform buffer's binding.
+pub const UNIFORM: wgpu::BindingType = wgpu::BindingType::Buffer {
+    ty: wgpu::BufferBindingType::Uniform,
+    has_dynamic_offset: false,
+    min_binding_size: None,
+};
+
+/// A texture's binding.
+pub const fn texture(
+    sample_type: wgpu::TextureSampleType,
+    view_dimension: wgpu::TextureViewDimension,
+) -> wgpu::BindingType {
+    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
+}

@@ -1,0 +1,14 @@
+//! Everything that is drawn by a graphics adapter: which adapter, the textures, the passes and the frame.
+//!
+//! Nothing in here knows the window: the window's viewport and the command line record the same frame.
+
+pub mod context;
+pub mod frame;
+pub mod layout;
+pub mod passes;
+pub mod readback;
+pub mod textures;
+pub mod upload;
+
+pub use context::{AdapterChoice, Gpu, GpuError};
+pub use frame::{FrameInput, SurfaceFrame};

@@ -1,0 +1,4 @@
+//! The passes of a frame, each beside its shader in `shaders/`.
+
+pub mod compare;
+pub mod surface;

@@ -1,0 +1,327 @@
+//! Draws the lit surface by one method into a picture of its own, in linear light with depth.
+
+use std::collections::HashMap;
+
+use crate::brdf::ConvolutionRule;
+use crate::filter::Method;
+use crate::filter::vmf::Fold;
+use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer};
+use crate::gpu::textures::MapTextures;
+use crate::lit_surface::{LevelChoice, LitSurface};
+use crate::scene::{ShapeKind, Vertex};
+use crate::wgpu;
+
+/// The format of the pictures: sums of many samples need 32 bits.
+pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// The shader's parts, in order.
+pub const SHADER: [&str; 6] = [
+    layout::VMF,
+    layout::BLINN_PHONG,
+    layout::FILTER,
+    layout::SAMPLING,
+    layout::TRUTH,
+    include_str!("../../../shaders/surface.wgsl"),
+];
+
+/// The frame's constants; `Frame` in the shader.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct FrameData {
+    /// Clip space from world.
+    pub clip_from_world: [[f32; 4]; 4],
+    /// The eye.
+    pub eye_in_world: [f32; 3],
+    /// Blinn-Phong exponent s.
+    pub shininess: f32,
+    /// Unit vector towards the light.
+    pub light_in_world: [f32; 3],
+    /// The level to read everywhere, or -1 for the one that suits the pixel.
+    pub fixed_level: f32,
+    /// Linear RGB of the light.
+    pub radiance: [f32; 3],
+    /// The convolution rule, by the shader's number.
+    pub convolution: u32,
+    /// Linear RGB.
+    pub specular_color: [f32; 3],
+    /// Ks.
+    pub specular: f32,
+    /// Linear RGB.
+    pub diffuse_color: [f32; 3],
+    /// Kd.
+    pub diffuse: f32,
+    /// Repeats along u and v.
+    pub tiling: [f32; 2],
+    /// Texels of the map's base level.
+    pub base_size: [f32; 2],
+    /// Levels that `mip` may read.
+    pub mip_lods: [f32; 2],
+    /// Levels that `vmf` may read.
+    pub vmf_lods: [f32; 2],
+    /// The map's level that the means begin with.
+    pub base_level: f32,
+    /// The map's level that the lobes begin with.
+    pub lobe_level: f32,
+    /// Slots in use.
+    pub lobes: u32,
+    /// 1 where the map tiles.
+    pub wraps: u32,
+    /// Index of the first sample of the truth to add.
+    pub first_sample: u32,
+    /// Samples of the truth to add.
+    pub sample_count: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
+    /// Which slot each slot is added to.
+    pub fold: [[u32; 4]; 4],
+}
+
+impl FrameData {
+    /// The part that follows from the surface and the picture's size; the rest is the map's, left 0.
+    pub fn of_surface(surface: &LitSurface, size: [u32; 2]) -> Self {
+        let material = &surface.material;
+        Self {
+            clip_from_world: surface.camera.clip_from_world(size[0] as f32 / size[1] as f32).to_cols_array_2d(),
+            eye_in_world: surface.camera.eye_in_world().to_array(),
+            shininess: material.shininess,
+            light_in_world: surface.light.direction_in_world().to_array(),
+            fixed_level: match surface.level {
+                LevelChoice::Auto => -1.0,
+                LevelChoice::Fixed(level) => level.max(0.0),
+            },
+            radiance: surface.light.radiance().to_array(),
+            convolution: match material.convolution {
+                ConvolutionRule::Paper => 0,
+                ConvolutionRule::ShiftedExponent => 1,
+                ConvolutionRule::Moment => 2,
+            },
+            specular_color: material.specular_color.to_array(),
+            specular: material.specular,
+            diffuse_color: material.diffuse_color.to_array(),
+            diffuse: material.diffuse,
+            tiling: surface.shape.tiling,
+            ..Self::default()
+        }
+    }
+
+    /// Sets which slot each slot is added to.
+    pub fn set_fold(&mut self, fold: &Fold) {
+        for (slot, &target) in fold.0.iter().enumerate() {
+            self.fold[slot / 4][slot % 4] = u32::from(target);
+        }
+    }
+}
+
+/// Pipelines, meshes and constants.
+#[derive(Debug)]
+pub struct SurfacePass {
+    pipelines: [wgpu::RenderPipeline; 3],
+    constants: wgpu::Buffer,
+    frame_group: wgpu::BindGroup,
+    sum_layout: wgpu::BindGroupLayout,
+    meshes: HashMap<ShapeKind, MeshBuffers>,
+}
+
+#[derive(Debug)]
+struct MeshBuffers {
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    count: u32,
+}
+
+/// Where a method draws.
+#[derive(Debug)]
+pub struct Target {
+    /// Linear RGB and coverage.
+    pub color: wgpu::Texture,
+    view: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    /// The picture as the truth reads its sum so far.
+    as_sum: wgpu::BindGroup,
+}
+
+impl Target {
+    /// A view of the picture.
+    pub fn view(&self) -> &wgpu::TextureView {
+        &self.view
+    }
+}
+
+impl SurfacePass {
+    /// Compiles the pipelines of every method; `map` is the layout of group 1.
+    pub fn new(device: &wgpu::Device, map: &wgpu::BindGroupLayout) -> Self {
+        let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM]);
+        let sum_type = texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
+        let sum_layout = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[sum_type]);
+        let shader = layout::shader(device, "surface", &SHADER);
+        let pipelines = Method::ALL.map(|method| {
+            let groups = [Some(&frame), Some(map), Some(&sum_layout)];
+            let used = if method == Method::Truth { &groups[..] } else { &groups[..2] };
+            pipeline(device, &shader, method, used)
+        });
+        let constants = uniform_buffer::<FrameData>(device, "surface frame");
+        let frame_group = bind_group(device, "surface frame", &frame, &[constants.as_entire_binding()]);
+        Self { pipelines, constants, frame_group, sum_layout, meshes: HashMap::new() }
+    }
+
+    /// A picture to draw into, with depth of its own.
+    pub fn target(&self, device: &wgpu::Device, label: &str, size: [u32; 2]) -> Target {
+        use wgpu::TextureUsages as Usage;
+        let usage = Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING | Usage::COPY_SRC;
+        let color = attachment(device, label, size, COLOR_FORMAT, usage);
+        let depth = attachment(device, "surface depth", size, DEPTH_FORMAT, Usage::RENDER_ATTACHMENT);
+        let view = color.create_view(&wgpu::TextureViewDescriptor { label: Some(label), ..Default::default() });
+        let depth_label = wgpu::TextureViewDescriptor { label: Some("surface depth"), ..Default::default() };
+        let resource = wgpu::BindingResource::TextureView(&view);
+        let as_sum = bind_group(device, "truth so far", &self.sum_layout, &[resource]);
+        Target { depth: depth.create_view(&depth_label), as_sum, color, view }
+    }
+
+    /// Writes the frame's constants and makes sure of the mesh.
+    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, kind: ShapeKind, data: &FrameData) {
+        queue.write_buffer(&self.constants, 0, bytemuck::bytes_of(data));
+        self.meshes.entry(kind).or_insert_with(|| MeshBuffers::new(device, queue, kind));
+    }
+
+    /// Draws `kind` by `method` into `target`; the truth adds to `sum`.
+    pub fn draw(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        (kind, method): (ShapeKind, Method),
+        map: &MapTextures,
+        target: &Target,
+        sum: Option<&Target>,
+    ) {
+        let Some(mesh) = self.meshes.get(&kind) else { return };
+        let mut pass = begin(encoder, target);
+        pass.set_pipeline(&self.pipelines[index(method)]);
+        pass.set_bind_group(0, &self.frame_group, &[]);
+        pass.set_bind_group(1, map.bind_group(), &[]);
+        if let Some(sum) = sum {
+            pass.set_bind_group(2, &sum.as_sum, &[]);
+        }
+        pass.set_vertex_buffer(0, mesh.vertices.slice(..));
+        pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..mesh.count, 0, 0..1);
+    }
+
+    /// Empties `target`.
+    pub fn clear(&self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
+        drop(begin(encoder, target));
+    }
+}
+
+/// The place of a method in [`Method::ALL`].
+pub fn index(method: Method) -> usize {
+    match method {
+        Method::Truth => 0,
+        Method::Mip => 1,
+        Method::Vmf => 2,
+    }
+}
+
+impl MeshBuffers {
+    fn new(device: &wgpu::Device, queue: &wgpu::Queue, kind: ShapeKind) -> Self {
+        let mesh = kind.mesh();
+        let buffer = |label, bytes: &[u8], usage| {
+            let size = bytes.len() as u64;
+            let usage = usage | wgpu::BufferUsages::COPY_DST;
+            let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
+            let buffer = device.create_buffer(&descriptor);
+            queue.write_buffer(&buffer, 0, bytes);
+            buffer
+        };
+        Self {
+            vertices: buffer("vertices", bytemuck::cast_slice(&mesh.vertices), wgpu::BufferUsages::VERTEX),
+            indices: buffer("indices", bytemuck::cast_slice(&mesh.indices), wgpu::BufferUsages::INDEX),
+            count: mesh.indices.len() as u32,
+        }
+    }
+}
+
+fn attachment(
+    device: &wgpu::Device,
+    label: &str,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, target: &Target) -> wgpu::RenderPass<'a> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("surface"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &target.view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &target.depth,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+            stencil_ops: None,
+        }),
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    })
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    shader: &wgpu::ShaderModule,
+    method: Method,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+) -> wgpu::RenderPipeline {
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("surface"),
+        bind_group_layouts: groups,
+        immediate_size: 0,
+    });
+    let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2];
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(method.name()),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: shader,
+            entry_point: Some("vertex"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<Vertex>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &attributes,
+            })],
+        },
+        // Both sides are drawn: a plane that vanished when seen from below would puzzle.
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Less),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: shader,
+            entry_point: Some(method.name()),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(COLOR_FORMAT.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

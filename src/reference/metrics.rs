@@ -1,0 +1,55 @@
+//! How far a picture is from the reference, over the pixels where the surface is seen. Sums run in f64: a million
+//! small terms in f32 would lose the digits that are compared.
+
+use super::Picture;
+
+/// The normalised colour error (Tan et al. 2005): the Euclidean distance of the colours over the length of the
+/// reference's colour, averaged over the covered pixels whose reference is not black. `None` where there is none.
+pub fn normalised_color_error(picture: &Picture, reference: &Picture) -> Option<f64> {
+    mean(covered(picture, reference).filter_map(|(color, truth)| {
+        let length = truth.length();
+        (length > 0.0).then(|| (color - truth).length() / length)
+    }))
+}
+
+/// The root of the mean squared difference over the covered pixels and three channels. `None` where nothing is seen.
+pub fn rmse(picture: &Picture, reference: &Picture) -> Option<f64> {
+    mean(covered(picture, reference).map(|(color, truth)| (color - truth).length_squared() / 3.0)).map(f64::sqrt)
+}
+
+fn covered<'a>(picture: &'a Picture, reference: &'a Picture) -> impl Iterator<Item = (glam::DVec3, glam::DVec3)> + 'a {
+    let pairs = picture.rgb.iter().zip(&reference.rgb).zip(&reference.covered);
+    pairs.filter(|(_, covered)| **covered).map(|((color, truth), _)| (color.as_dvec3(), truth.as_dvec3()))
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0_u32), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn picture(rgb: [Vec3; 3]) -> Picture {
+        Picture { size: [3, 1], rgb: rgb.to_vec(), covered: vec![true, true, false] }
+    }
+
+    #[test]
+    fn errors_follow_their_definitions_and_skip_what_is_not_seen() {
+        let reference = picture([Vec3::new(0.0, 3.0, 4.0), Vec3::ZERO, Vec3::ONE]);
+        let other = picture([Vec3::new(1.0, 3.0, 4.0), Vec3::new(0.0, 2.0, 0.0), Vec3::ZERO]);
+        // The black pixel has no length to divide by; the third is not covered.
+        assert_eq!(normalised_color_error(&other, &reference), Some(0.2));
+        assert!(rmse(&other, &reference).is_some_and(|e| (e - (5.0_f64 / 6.0).sqrt()).abs() < 1e-12));
+        assert_eq!(rmse(&reference, &reference), Some(0.0));
+    }
+
+    #[test]
+    fn a_picture_of_nothing_has_no_error() {
+        let nothing = Picture { size: [1, 1], rgb: vec![Vec3::ZERO], covered: vec![false] };
+        assert_eq!(normalised_color_error(&nothing, &nothing), None);
+        assert_eq!(rmse(&nothing, &nothing), None);
+    }
+}

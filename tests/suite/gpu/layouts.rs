@@ -1,0 +1,69 @@
+//! Rust and WGSL agree on every structure they share, and every shader is valid.
+
+use std::mem::offset_of;
+
+use ndf_inspector::gpu::passes::compare::{self, CompareData};
+use ndf_inspector::gpu::passes::surface::{self, FrameData};
+use ndf_inspector::wgpu::naga;
+
+fn parse(parts: &[&str]) -> naga::Module {
+    let source = parts.concat();
+    let module = naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)));
+    let mut validator =
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+    validator.validate(&module).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)));
+    module
+}
+
+/// Names and offsets of a structure's members, and its size.
+fn layout(module: &naga::Module, name: &str) -> (Vec<(String, usize)>, usize) {
+    let mut found = module.types.iter().filter(|(_, ty)| ty.name.as_deref() == Some(name));
+    let (_, ty) = found.next().expect("the structure is in the shader");
+    let naga::TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is no structure") };
+    let member = |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset as usize);
+    (members.iter().map(member).collect(), *span as usize)
+}
+
+macro_rules! rust_layout {
+    ($structure:ty { $($member:ident),* $(,)? }) => {
+        (vec![$((stringify!($member).to_owned(), offset_of!($structure, $member))),*], size_of::<$structure>())
+    };
+}
+
+#[test]
+fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
+    let module = parse(&surface::SHADER);
+    let rust = rust_layout!(FrameData {
+        clip_from_world,
+        eye_in_world,
+        shininess,
+        light_in_world,
+        fixed_level,
+        radiance,
+        convolution,
+        specular_color,
+        specular,
+        diffuse_color,
+        diffuse,
+        tiling,
+        base_size,
+        mip_lods,
+        vmf_lods,
+        base_level,
+        lobe_level,
+        lobes,
+        wraps,
+        first_sample,
+        sample_count,
+        padding,
+        fold,
+    });
+    assert_eq!(layout(&module, "Frame"), rust);
+}
+
+#[test]
+fn the_compare_shader_is_valid_and_lays_out_its_constants_as_rust_does() {
+    let module = parse(&compare::SHADER);
+    let rust = rust_layout!(CompareData { left_scale, right_scale, wipe, divider });
+    assert_eq!(layout(&module, "Compare"), rust);
+}

@@ -1,0 +1,200 @@
+//! The adapter's pictures equal the processor's.
+
+use glam::Vec3;
+use ndf_inspector::brdf::ConvolutionRule;
+use ndf_inspector::color::srgb8_from_linear;
+use ndf_inspector::filter::vmf::Fold;
+use ndf_inspector::filter::{Filter, Method, Truth, VmfFilter};
+use ndf_inspector::gpu::frame::{FrameBudget, PICTURE_FORMAT, SurfaceFrame, render_to_rgba8};
+use ndf_inspector::lit_surface::LevelChoice;
+use ndf_inspector::normal_map::Addressing;
+use ndf_inspector::reference::{self, Picture};
+use ndf_inspector::scene::{Shape, ShapeKind};
+use std::sync::Arc;
+
+use super::{Scene, gpu, maps};
+
+/// Enough that one sample which falls on the other side of a texel's edge by a rounding changes less than 1/255.
+const SAMPLES: u32 = 256;
+
+fn on_processor(scene: &Scene, method: Method) -> Picture {
+    let map = scene.map().clone();
+    let base = (map.width, map.height);
+    let filter: Box<dyn Filter> = match method {
+        Method::Truth => Box::new(Truth { map, samples: SAMPLES }),
+        Method::Mip => Box::new((*scene.mip).clone()),
+        Method::Vmf => Box::new(VmfFilter { lobes: Arc::new(scene.lobes.clone()), fold: scene.fold }),
+    };
+    reference::render(&scene.surface, &*filter, scene.size, scene.full_lod_range(), base)
+}
+
+fn finished(scene: &Scene, method: Method, truth_batch: u32) -> SurfaceFrame {
+    let mut frame = SurfaceFrame::new(&gpu().device, PICTURE_FORMAT);
+    frame.budget = FrameBudget { truth_limit: SAMPLES, truth_batch, upload_bytes: 1 << 30 };
+    frame.complete(gpu(), &scene.input(method)).expect("the device works");
+    frame
+}
+
+fn on_adapter(scene: &Scene, method: Method) -> Picture {
+    let frame = finished(scene, method, 64);
+    let texels = frame.linear(&gpu().device, &gpu().queue, method).expect("readable");
+    Picture {
+        size: scene.size,
+        rgb: texels.iter().map(|t| Vec3::new(t[0], t[1], t[2])).collect(),
+        covered: texels.iter().map(|t| t[3] > 0.5).collect(),
+    }
+}
+
+/// The largest difference of a channel per pixel, in steps of 1/255 after sRGB encoding; 255 where only one of the
+/// pictures shows the surface.
+fn differences(a: &Picture, b: &Picture) -> Vec<u8> {
+    let pixel = |i: usize| {
+        let (p, q) = (srgb8_from_linear(a.rgb[i]), srgb8_from_linear(b.rgb[i]));
+        let largest = (0..3).map(|c| p[c].abs_diff(q[c])).max().unwrap_or(0);
+        if a.covered[i] == b.covered[i] { largest } else { 255 }
+    };
+    (0..a.rgb.len()).map(pixel).collect()
+}
+
+/// Asserts that adapter and processor agree within 1/255 on 99.9 % of the pixels; prints the worst one.
+fn assert_twins(scene: &Scene, method: Method, what: &str) {
+    let (adapter, processor) = (on_adapter(scene, method), on_processor(scene, method));
+    let seen: Vec<Vec3> = (0..adapter.rgb.len()).filter(|&i| adapter.covered[i]).map(|i| adapter.rgb[i]).collect();
+    let brightest = seen.iter().map(|c| c.max_element()).fold(0.0, f32::max);
+    let darkest = seen.iter().map(|c| c.max_element()).fold(f32::MAX, f32::min);
+    assert!(seen.len() > 200 && brightest > darkest + 0.02, "{what}: {} pixels, flat or black", seen.len());
+    let differences = differences(&adapter, &processor);
+    let worst = (0..differences.len()).max_by_key(|&i| differences[i]).unwrap_or(0);
+    let wrong = differences.iter().filter(|&&d| d > 1).count();
+    println!(
+        "{what}: {wrong} of {} pixels off by more than 1/255; worst {}/255 at ({}, {}): {} against {}",
+        differences.len(),
+        differences[worst],
+        worst as u32 % scene.size[0],
+        worst as u32 / scene.size[0],
+        adapter.rgb[worst],
+        processor.rgb[worst],
+    );
+    assert!(wrong * 1000 <= differences.len(), "{what}: {wrong} pixels differ");
+}
+
+fn assert_twins_everywhere(method: Method) {
+    for kind in ShapeKind::ALL {
+        for distance in [1.2, 3.2, 12.0] {
+            let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 6);
+            scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
+            scene.surface.camera.distance = distance;
+            assert_twins(&scene, method, &format!("{method} on {kind:?} at {distance}"));
+        }
+    }
+}
+
+#[test]
+fn truth_on_the_adapter_equals_its_twin() {
+    assert_twins_everywhere(Method::Truth);
+}
+
+#[test]
+fn mip_on_the_adapter_equals_its_twin() {
+    assert_twins_everywhere(Method::Mip);
+}
+
+#[test]
+fn vmf_on_the_adapter_equals_its_twin() {
+    assert_twins_everywhere(Method::Vmf);
+}
+
+#[test]
+fn maps_of_any_size_and_either_addressing_have_twins() {
+    for (width, height, addressing) in
+        [(40, 23, Addressing::Clamp), (40, 23, Addressing::Wrap), (1, 7, Addressing::Wrap), (1, 1, Addressing::Clamp)]
+    {
+        for method in Method::ALL {
+            let mut scene = Scene::new(maps::rough(width, height, addressing), 3);
+            scene.surface.shape = Shape { kind: ShapeKind::Sphere, tiling: [3.0, 2.0] };
+            assert_twins(&scene, method, &format!("{method} of {width}x{height}, {addressing:?}"));
+        }
+    }
+}
+
+#[test]
+fn every_convolution_rule_has_a_twin() {
+    for rule in ConvolutionRule::ALL {
+        for shininess in [1.0, 10.0, 400.0, 4000.0] {
+            let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 8);
+            scene.surface.material.convolution = rule;
+            scene.surface.material.shininess = shininess;
+            scene.surface.exposure_stops = -1.0;
+            assert_twins(&scene, Method::Vmf, &format!("{} at s {shininess}", rule.label()));
+        }
+    }
+}
+
+#[test]
+fn a_preview_with_fewer_lobes_has_a_twin() {
+    let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 6);
+    scene.fold = Fold(std::array::from_fn(|slot| [0, 1, 1, 0, 4, 1][slot.min(5)]));
+    for distance in [1.2, 12.0] {
+        scene.surface.camera.distance = distance;
+        assert_twins(&scene, Method::Vmf, &format!("folded at {distance}"));
+    }
+}
+
+#[test]
+fn the_truth_does_not_depend_on_how_its_samples_are_spread_over_frames() {
+    let scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 2);
+    let picture = |batch| finished(&scene, Method::Truth, batch).linear(&gpu().device, &gpu().queue, Method::Truth);
+    assert_eq!(picture(256).expect("readable"), picture(32).expect("readable"));
+}
+
+#[test]
+fn a_flat_map_gives_the_same_picture_by_every_method_at_every_level() {
+    let flat = maps::map(16, 16, Addressing::Wrap, |_, _| Vec3::Z);
+    let mut scene = Scene::new(flat.clone(), 1);
+    for level in scene.lobes.coarse.iter_mut().flatten() {
+        Arc::make_mut(level).stored.fill([1.0, 0.0, 0.0, 1.0]);
+    }
+    scene.lobes.base = None;
+    scene.surface.shape.kind = ShapeKind::Torus;
+    let truth = on_adapter(&scene, Method::Truth);
+    for level in 0..5 {
+        scene.surface.level = LevelChoice::Fixed(level as f32);
+        for method in [Method::Mip, Method::Vmf] {
+            let worst = differences(&on_adapter(&scene, method), &truth).into_iter().max();
+            // One step: a lobe of 1/kappa = 1e-7 is not quite a delta, and rounding may fall either way.
+            assert!(worst <= Some(1), "{method} at level {level}: {worst:?}");
+        }
+    }
+}
+
+#[test]
+fn the_wipe_shows_the_left_method_on_its_left_and_the_right_one_on_its_right() {
+    let scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 4);
+    let picture = |left, right, wipe| {
+        let input = ndf_inspector::gpu::FrameInput { left, right, wipe, ..scene.input(left) };
+        render_to_rgba8(gpu(), &input, 16).expect("readable")
+    };
+    let (mip, vmf) = (picture(Method::Mip, Method::Mip, 0.5), picture(Method::Vmf, Method::Mip, 1.0));
+    assert_ne!(mip, vmf);
+    let both = picture(Method::Mip, Method::Vmf, 0.5);
+    for (i, pixel) in both.chunks(4).enumerate() {
+        let expected = match i % 192 {
+            95 | 96 => &[231, 231, 231, 255][..],
+            x if x < 95 => &mip[4 * i..4 * i + 4],
+            _ => &vmf[4 * i..4 * i + 4],
+        };
+        assert_eq!(pixel, expected, "pixel {i}");
+    }
+}
+
+#[test]
+fn the_picture_is_exposed_and_encoded_once() {
+    let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 4);
+    scene.surface.exposure_stops = 0.7;
+    let linear = on_adapter(&scene, Method::Mip);
+    let bytes = render_to_rgba8(gpu(), &scene.input(Method::Mip), 1).expect("readable");
+    for (i, pixel) in bytes.chunks(4).enumerate().filter(|(i, _)| linear.covered[*i]) {
+        let expected = srgb8_from_linear(linear.rgb[i]);
+        assert!((0..3).all(|c| pixel[c].abs_diff(expected[c]) <= 1), "{pixel:?} against {expected:?}");
+    }
+}
