@@ -2,6 +2,7 @@
 
 pub mod app;
 pub mod brdf;
+pub mod cli;
 pub mod color;
 pub mod filter;
 pub mod gpu;

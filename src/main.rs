@@ -1,1 +1,22 @@
-fn main() {}
+//! The program `ndf-inspector`: parses the command line and hands over to the library.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use ndf_inspector::cli::{self, Cli};
+
+fn main() -> ExitCode {
+    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
+    let cli = Cli::parse();
+    let result = match cli.command {
+        Some(command) => cli::run(command),
+        None => Ok(()),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("ndf-inspector: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

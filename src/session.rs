@@ -11,12 +11,12 @@ pub mod opening;
 pub mod recent;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use crate::filter::vmf::{FitSettings, LobePyramid};
 use crate::filter::{Method, PlainMip};
 use crate::jobs::Wake;
 use crate::lit_surface::LitSurface;
-use crate::normal_map::decode::DecodeError;
 use crate::normal_map::pyramid::Texel;
 use crate::normal_map::{MapOptions, MapSource, NormalMap, procedural};
 use fitting::Fitting;
@@ -71,8 +71,8 @@ pub struct Session {
 
 impl Session {
     /// A session with the default bundled map, not fitted yet; `wake` is called when news wait.
-    pub fn new(wake: Wake) -> Result<Self, DecodeError> {
-        Ok(Self::with_map(procedural::default_map()?, wake))
+    pub fn new(wake: Wake) -> Self {
+        Self::with_map(procedural::default_map(), wake)
     }
 
     /// A session with this map, not fitted yet.
@@ -149,9 +149,14 @@ impl Session {
         self.start_fit();
     }
 
-    /// Starts the first fit, on `threads` threads or one per core.
-    pub fn start(&mut self, threads: Option<usize>) {
+    /// Fits on this many threads from the next start on, or on one per core.
+    pub fn set_threads(&mut self, threads: Option<usize>) {
         self.fitting.set_threads(threads);
+    }
+
+    /// Starts the first fit with these settings.
+    pub fn begin(&mut self, settings: FitSettings) {
+        self.fitting.restart(settings);
         self.start_fit();
     }
 
@@ -214,6 +219,14 @@ impl Session {
             log::warn!("{}", message.text);
         }
         self.messages.push(message);
+    }
+
+    /// Waits up to `timeout` for news of the fit, then takes all there are.
+    pub fn wait(&mut self, timeout: Duration) {
+        let mut messages = Vec::new();
+        self.fitting.wait(timeout, &mut messages);
+        messages.into_iter().for_each(|text| self.report(Message { text, is_error: true }));
+        self.poll();
     }
 
     /// Takes the jobs' news; true if anything changed.

@@ -8,6 +8,8 @@ pub mod sampling;
 pub mod truth;
 pub mod vmf;
 
+use std::str::FromStr;
+
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::brdf::{Brdf, Material};
@@ -89,5 +91,44 @@ pub fn reflect(material: &Material, exponent: f32, half_cosine: f32, light_cosin
 impl std::fmt::Display for Method {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.write_str(self.name())
+    }
+}
+
+/// A method with the lobe count that it asks for, as `METHOD` on the command line: `truth`, `mip`, `vmf` or `vmf:J`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MethodChoice {
+    /// The method.
+    pub method: Method,
+    /// Lobes J, where the method names them.
+    pub lobes: Option<usize>,
+}
+
+/// Why a method's name could not be read.
+#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+#[error("'{0}' is not a method: write truth, mip, vmf or vmf:J with J from 1 to 16")]
+pub struct ParseMethodError(String);
+
+impl FromStr for MethodChoice {
+    type Err = ParseMethodError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let named = Method::ALL.into_iter().find(|method| method.name() == text);
+        let plain = named.map(|method| Self { method, lobes: None });
+        let counted = || {
+            let lobes = text.strip_prefix("vmf:")?.parse().ok()?;
+            (1..=crate::sphere::mixture::MAX_LOBES)
+                .contains(&lobes)
+                .then_some(Self { method: Method::Vmf, lobes: Some(lobes) })
+        };
+        plain.or_else(counted).ok_or_else(|| ParseMethodError(text.to_owned()))
+    }
+}
+
+impl std::fmt::Display for MethodChoice {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.lobes {
+            Some(lobes) => write!(formatter, "{}:{lobes}", self.method),
+            None => write!(formatter, "{}", self.method),
+        }
     }
 }

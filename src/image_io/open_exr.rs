@@ -9,6 +9,7 @@ use std::io::Cursor;
 use exr::block::reader::ChunksReader;
 use exr::block::{UncompressedBlock, samples::FromNativeSample};
 use exr::error::Error;
+use exr::meta::MetaData;
 use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use half::f16;
@@ -35,11 +36,13 @@ struct Selection {
 /// caller's thread: a panic of a decoder on a thread of its own could not be caught.
 pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<RasterImage, ReadImageError> {
     let plain = |error: Error| plain_error(name, &error);
-    let reader = exr::block::read(Cursor::new(bytes), PEDANTIC).map_err(plain)?;
-    let selection = select(name, reader.headers())?;
-    let header = reader.headers()[selection.layer].clone();
+    // Read once without validation, which has no words of its own for a size that is merely too large.
+    let headers = MetaData::read_from_buffered(bytes, PEDANTIC).map_err(plain)?.headers;
+    let selection = select(name, &headers)?;
+    let header = headers[selection.layer].clone();
     let (width, height) = checked_size(name, &header)?;
     check_sampling(name, &header, &selection)?;
+    let reader = exr::block::read(Cursor::new(bytes), PEDANTIC).map_err(plain)?;
     let mut values = vec![0.0_f32; width * height * selection.channels.len()];
     let mut blocks = reader
         .filter_chunks(PEDANTIC, |_, tile, block| block.layer == selection.layer && tile.is_largest_resolution_level())

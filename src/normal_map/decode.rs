@@ -108,23 +108,29 @@ impl NormalMap {
     /// Stores what `decode` gives for every texel: a unit normal and the length it was decoded with.
     fn fill(&mut self, decode: impl Fn(usize) -> Option<(DVec3, f64)> + Sync) {
         let width = self.width;
-        let planes = self.x.par_chunks_mut(width).zip(self.y.par_chunks_mut(width)).zip(self.z.par_chunks_mut(width));
-        let fill_row = |(row, ((x, y), z)): (usize, ((&mut [f32], &mut [f32]), &mut [f32]))| {
-            let mut tally = Tally::default();
-            for column in 0..width {
-                let Some((normal, length)) = decode(row * width + column) else {
-                    tally.invalid += 1;
-                    continue;
-                };
-                [x[column], y[column], z[column]] = normal.as_vec3().to_array();
-                tally.count_valid(length, normal.z);
-            }
-            tally
-        };
-        let tally = planes.enumerate().map(fill_row).reduce(Tally::default, Tally::plus);
+        let rows = (self.x.par_chunks_mut(width), self.y.par_chunks_mut(width), self.z.par_chunks_mut(width));
+        let tally = rows
+            .into_par_iter()
+            .enumerate()
+            .map(|(row, (x, y, z))| fill_row([x, y, z], |column| decode(row * width + column)))
+            .reduce(Tally::default, Tally::plus);
         self.invalid = tally.invalid;
         self.warnings.extend(tally.warnings());
     }
+}
+
+/// Stores one row of normals in its three planes and counts them.
+fn fill_row([x, y, z]: [&mut [f32]; 3], decode: impl Fn(usize) -> Option<(DVec3, f64)>) -> Tally {
+    let mut tally = Tally::default();
+    for column in 0..x.len() {
+        let Some((normal, length)) = decode(column) else {
+            tally.invalid += 1;
+            continue;
+        };
+        [x[column], y[column], z[column]] = normal.as_vec3().to_array();
+        tally.count_valid(length, normal.z);
+    }
+    tally
 }
 
 fn from_heights(image: RasterImage, source: MapSource, options: &MapOptions, scale: f64) -> NormalMap {
@@ -147,12 +153,17 @@ fn from_normals(image: RasterImage, source: MapSource, options: &MapOptions) -> 
     if !asked_for_two && is_greyscale(&image) {
         return Err(DecodeError::Greyscale { name });
     }
+    Ok(from_known_normals(image, source, options))
+}
+
+/// Decodes an image that is known to be a normal map, without asking whether it is one.
+pub(super) fn from_known_normals(image: RasterImage, source: MapSource, options: &MapOptions) -> NormalMap {
     let decoder = Decoder::new(&image, options);
     let mut map = NormalMap::unfilled(image, source, options);
     map.warnings.extend(decoder.range.warning());
     let stored = Arc::clone(&map.stored);
     map.fill(|texel| decoder.decode(&stored, texel));
-    Ok(map)
+    map
 }
 
 /// How stored values become components.

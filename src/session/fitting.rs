@@ -1,12 +1,13 @@
 //! The fit as the window sees it: the lobes at hand, what they are worth, and the job that betters them.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use rayon::ThreadPool;
 
 use crate::filter::vmf::fit::{self, FitEvent, FitSettings, LevelStats};
 use crate::filter::vmf::{Cancelled, Fold, LobePyramid, Monitor, fold};
-use crate::jobs::{self, Job, JobEvent, Wake};
+use crate::jobs::{self, Ended, Job, JobEvent, Wake};
 use crate::normal_map::NormalMap;
 
 /// How good a level's lobes are.
@@ -132,7 +133,12 @@ impl Fitting {
         (self.threads, self.pool) = (threads, None);
     }
 
-    /// Sets the settings without a start; for a document that has not fitted yet.
+    /// Threads that fits run on.
+    pub fn threads(&self) -> usize {
+        self.pool.as_ref().map_or(0, |pool| pool.current_num_threads())
+    }
+
+    /// Takes other settings: the running fit ends, and the lobes at hand become a preview.
     pub fn restart(&mut self, settings: FitSettings) {
         self.running = None;
         if settings.lobes != self.settings.lobes {
@@ -182,15 +188,28 @@ impl Fitting {
         let mut changed = false;
         while let Some(event) = self.running.as_ref().and_then(|running| running.job.next()) {
             changed = true;
-            match event {
-                JobEvent::News(event) => self.take(event),
-                JobEvent::Panicked(text) => {
-                    messages.push(format!("The fit stopped by a fault of the program: {text}."));
-                    self.running = None;
-                }
-            }
+            self.handle(event, messages);
         }
         changed
+    }
+
+    /// Waits up to `timeout` for the job's next event and takes it.
+    pub fn wait(&mut self, timeout: Duration, messages: &mut Vec<String>) {
+        match self.running.as_ref().map(|running| running.job.wait(timeout)) {
+            Some(Ok(Some(event))) => self.handle(event, messages),
+            Some(Err(Ended)) => self.running = None,
+            Some(Ok(None)) | None => {}
+        }
+    }
+
+    fn handle(&mut self, event: JobEvent<FitEvent>, messages: &mut Vec<String>) {
+        match event {
+            JobEvent::News(event) => self.take(event),
+            JobEvent::Panicked(text) => {
+                messages.push(format!("The fit stopped by a fault of the program: {text}."));
+                self.running = None;
+            }
+        }
     }
 
     fn take(&mut self, event: FitEvent) {

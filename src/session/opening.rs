@@ -125,7 +125,7 @@ pub fn read(request: &MapRequest) -> Result<NormalMap, String> {
         MapRequest::Bundled { name, options } => {
             let sample = procedural::find(name)
                 .ok_or_else(|| format!("There is no bundled map named '{name}'; `sample --list` names them."))?;
-            let mut map = sample.make(procedural::DEFAULT_SIZE).map_err(|error| error.to_string())?;
+            let mut map = sample.make(procedural::DEFAULT_SIZE);
             map.options.addressing = options.addressing;
             Ok(map)
         }

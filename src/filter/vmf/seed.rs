@@ -1,4 +1,5 @@
-//! Where EM starts: the children's lobes that lie farthest apart, then one hard assignment of the normals.
+//! Where EM starts: the children's lobes, or the footprint's own normals, that lie farthest apart, then one hard
+//! assignment of the normals.
 //!
 //! The greedy farthest-point form of Hochbaum and Shmoys (1985), a 2-approximation of the k-centre problem
 //! (Gonzalez 1985), deterministic: ties take the lowest index.
@@ -51,22 +52,40 @@ impl Candidates {
     /// At most `wanted` of the candidates, each as far as can be from those before it; the first is the one nearest
     /// to `mean`. Fewer where fewer are distinct.
     pub fn farthest_apart(&self, wanted: usize, mean: Vec3) -> ([Vec3; MAX_LOBES], usize) {
-        let candidates = &self.directions[..self.count];
-        let mut centres = [Vec3::Z; MAX_LOBES];
         let mut nearest = [f32::INFINITY; MAX_CANDIDATES];
-        let mut chosen = index_of_max(candidates.iter().map(|c| c.dot(mean)));
-        let mut count = 0;
-        while let Some(index) = chosen {
-            centres[count] = candidates[index];
-            count += 1;
-            for (distance, candidate) in nearest.iter_mut().zip(candidates) {
-                *distance = distance.min(candidate.distance_squared(candidates[index]));
-            }
-            let next = index_of_max(nearest[..self.count].iter().copied());
-            chosen = next.filter(|&i| count < wanted.min(MAX_LOBES) && nearest[i] > SAME);
-        }
-        (centres, count)
+        farthest(&self.directions[..self.count], &mut nearest[..self.count], wanted, mean)
     }
+}
+
+/// The greedy farthest-point choice; `nearest` starts infinite and keeps each direction's squared chord to the chosen.
+fn farthest(directions: &[Vec3], nearest: &mut [f32], wanted: usize, mean: Vec3) -> ([Vec3; MAX_LOBES], usize) {
+    let mut centres = [Vec3::Z; MAX_LOBES];
+    let mut chosen = index_of_max(directions.iter().map(|direction| direction.dot(mean)));
+    let mut count = 0;
+    while let Some(index) = chosen {
+        centres[count] = directions[index];
+        count += 1;
+        for (distance, direction) in nearest.iter_mut().zip(directions) {
+            *distance = distance.min(direction.distance_squared(directions[index]));
+        }
+        let next = index_of_max(nearest.iter().copied());
+        chosen = next.filter(|&i| count < wanted.min(MAX_LOBES) && nearest[i] > SAME);
+    }
+    (centres, count)
+}
+
+/// Most normals that are searched for extremes; a larger footprint is searched in even strides.
+const SEARCHED: usize = 65_536;
+
+/// At most `wanted` of the footprint's own normals, each as far as can be from those before it; the first is the one
+/// nearest to the mean.
+pub fn farthest_normals(map: &NormalMap, footprint: &Footprint, wanted: usize) -> ([Vec3; MAX_LOBES], usize) {
+    let stride = footprint.len().div_ceil(SEARCHED).max(1);
+    let texels = footprint.texels().step_by(stride);
+    let normals: Vec<Vec3> = texels.filter_map(|(x, y, _)| map.normal(y * map.width + x)).collect();
+    let mut nearest = vec![f32::INFINITY; normals.len()];
+    let mean: DVec3 = normals.iter().map(|normal| normal.as_dvec3()).sum();
+    farthest(&normals, &mut nearest, wanted, mean.as_vec3())
 }
 
 /// Index of the first largest value.

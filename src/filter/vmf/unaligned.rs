@@ -50,20 +50,52 @@ pub fn fit_texel(
     let budget = visits * (settings.iterations as u64 + 1);
     let mut visited = 0;
     let stop = settings.stop();
-    let fit = if let Some(exact) =
-        small(&footprint, settings.lobes).then(|| seed::exact(map, &footprint, settings.lobes)).flatten()
-    {
-        em::fit(&samples, exact, em::Stop { iterations: 0, ..stop }, settings.kappa, || true)
-    } else {
-        let seed = seed_of(lobes, level, texel, &samples, settings.lobes);
+    let mut run = |seed, stop| {
         em::fit(&samples, seed, stop, settings.kappa, || {
             visited += visits;
             monitor.visited(level, visits);
             !monitor.is_cancelled()
         })
     };
-    monitor.visited(level, budget - visited.min(budget));
+    let exact = if small(&footprint, settings.lobes) { seed::exact(map, &footprint, settings.lobes) } else { None };
+    let fit = match exact {
+        Some(lobes) => run(lobes, em::Stop { iterations: 0, ..stop }),
+        None => {
+            let seed = seed_of(lobes, level, texel, &samples, settings.lobes);
+            if footprint.len() >= RACED && settings.iterations > RACE {
+                let (centres, count) = seed::farthest_normals(map, &footprint, settings.lobes);
+                let rival = seed::assign(&samples, &centres[..count], settings.lobes);
+                race(&mut run, seed, rival, stop)
+            } else {
+                run(seed, stop)
+            }
+        }
+    };
+    monitor.visited(level, budget.saturating_sub(visited));
     fit
+}
+
+/// Iterations that two seeds are given before the better one goes on.
+const RACE: usize = 10;
+
+/// Normals from which on a bad seed is likely enough to race two; the extremes of fewer are the children's lobes.
+const RACED: usize = 64;
+
+/// Runs both seeds for a while and the one of higher likelihood to the end: a single start can end far off.
+fn race(
+    run: &mut impl FnMut(em::TexelLobes, em::Stop) -> TexelFit,
+    first: em::TexelLobes,
+    second: em::TexelLobes,
+    stop: em::Stop,
+) -> TexelFit {
+    let short = em::Stop { iterations: RACE, ..stop };
+    let (first, second) = (run(first, short), run(second, short));
+    let better = if second.mean_log_likelihood > first.mean_log_likelihood { second } else { first };
+    if better.iterations < RACE {
+        return better;
+    }
+    let rest = run(better.lobes, em::Stop { iterations: stop.iterations - RACE, ..stop });
+    TexelFit { iterations: RACE + rest.iterations, ..rest }
 }
 
 /// True for footprints whose every normal may have a lobe of its own.

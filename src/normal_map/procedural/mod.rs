@@ -16,7 +16,8 @@ mod waves;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{DecodeError, MapOptions, MapSource, NormalMap};
+use super::decode::from_known_normals;
+use super::{MapOptions, MapSource, NormalMap};
 use crate::image_io::{RasterImage, SampleDepth, Samples};
 
 /// The bundled map that opens where no file is given.
@@ -76,10 +77,7 @@ impl Place {
 }
 
 /// The map that opens when none is named.
-///
-/// # Errors
-/// See [`Sample::make`].
-pub fn default_map() -> Result<NormalMap, DecodeError> {
+pub fn default_map() -> NormalMap {
     find(DEFAULT_SAMPLE).unwrap_or(&SAMPLES[0]).make(DEFAULT_SIZE)
 }
 
@@ -90,12 +88,9 @@ pub fn find(name: &str) -> Option<&'static Sample> {
 
 impl Sample {
     /// Makes the map with `size` texels along each side (at least 1).
-    ///
-    /// # Errors
-    /// None in practice: the normals of a bundled map are valid at every size, which a test holds.
-    pub fn make(&self, size: usize) -> Result<NormalMap, DecodeError> {
+    pub fn make(&self, size: usize) -> NormalMap {
         let source = MapSource::Bundled(self.name);
-        NormalMap::from_image(self.image(size), source, &MapOptions::default())
+        from_known_normals(self.image(size), source, &MapOptions::default())
     }
 
     /// The map as an image of 8-bit red, green and blue, as `sample NAME -o FILE` writes it.
@@ -153,7 +148,7 @@ mod tests {
     fn every_bundled_map_is_valid_at_any_size() {
         for sample in SAMPLES {
             for size in [1, 2, 7, 64, 100] {
-                let map = sample.make(size).unwrap();
+                let map = sample.make(size);
                 assert_eq!((map.width, map.height, map.invalid), (size, size, 0), "{}", sample.name);
                 assert!(map.warnings.is_empty(), "{}: {:?}", sample.name, map.warnings);
             }

@@ -1,0 +1,230 @@
+//! `fit`: lobes of every texel of every level; chosen texels and levels as text or JSON.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::options::{FitArguments, MapArguments, wait_for_fit, write_text};
+use crate::filter::vmf::{FitSettings, smooth};
+use crate::normal_map::pyramid::{Footprint, Texel};
+use crate::session::Session;
+use crate::sphere::direction::polar_deg;
+use crate::sphere::{Lobe, Mixture};
+
+/// Fit lobes to every texel of every level, and write what was asked for.
+#[derive(Args, Debug)]
+pub struct FitCommand {
+    /// The normal map.
+    pub map: PathBuf,
+    /// How the map is read.
+    #[command(flatten)]
+    pub map_arguments: MapArguments,
+    /// How it is fitted.
+    #[command(flatten)]
+    pub fit: FitArguments,
+    /// A texel whose lobes are printed; any number of them.
+    #[arg(long = "texel", value_name = "LEVEL,X,Y")]
+    pub texels: Vec<Texel>,
+    /// Write the result as JSON to FILE, - for standard output.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// The result, schema 1; others script against it.
+#[derive(Debug, Serialize)]
+struct Report {
+    schema: u32,
+    version: &'static str,
+    map: MapReport,
+    settings: SettingsReport,
+    seconds: f64,
+    levels: Vec<LevelReport>,
+    texels: Vec<TexelReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct MapReport {
+    path: String,
+    width: usize,
+    height: usize,
+    levels: usize,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct SettingsReport {
+    lobes: usize,
+    objective: &'static str,
+    align: String,
+    iterations: usize,
+    tolerance: f64,
+    kappa: crate::sphere::vmf::KappaRule,
+    threads: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct LevelReport {
+    level: usize,
+    width: usize,
+    height: usize,
+    mean_log_likelihood: f64,
+    mean_iterations: f64,
+    seconds: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct TexelReport {
+    level: usize,
+    x: usize,
+    y: usize,
+    samples: usize,
+    mean_log_likelihood: f64,
+    lobes: Vec<Lobe>,
+}
+
+impl FitCommand {
+    /// Carries the command out.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn run(self) -> anyhow::Result<()> {
+        let map = self.map_arguments.read(&self.map)?;
+        let sizes = map.level_sizes();
+        self.texels.iter().try_for_each(|texel| check_texel(*texel, &sizes))?;
+        let mut session = Session::with_map(map, Arc::new(|| {}));
+        let settings = self.fit.over(FitSettings::default());
+        let start = Instant::now();
+        session.set_threads(self.fit.threads());
+        session.begin(settings);
+        wait_for_fit(&mut session)?;
+        let report = self.report(&session, start.elapsed().as_secs_f64());
+        match &self.json {
+            Some(path) => write_text(path, &serde_json::to_string_pretty(&report)?),
+            None => write_text("-".as_ref(), report.to_text().trim_end()),
+        }
+    }
+
+    fn report(&self, session: &Session, seconds: f64) -> Report {
+        let map = session.map();
+        let settings = session.fit_settings();
+        let sizes = map.level_sizes();
+        let level_report = |(level, fit): (usize, &crate::session::fitting::LevelFit)| {
+            let stats = fit.stats?;
+            Some(LevelReport {
+                level,
+                width: sizes[level].0,
+                height: sizes[level].1,
+                mean_log_likelihood: stats.mean_log_likelihood,
+                mean_iterations: stats.mean_iterations,
+                seconds: stats.seconds,
+            })
+        };
+        Report {
+            schema: 1,
+            version: env!("CARGO_PKG_VERSION"),
+            map: MapReport {
+                path: self.map.display().to_string(),
+                width: map.width,
+                height: map.height,
+                levels: sizes.len(),
+                warnings: map.warnings.iter().map(ToString::to_string).collect(),
+            },
+            settings: SettingsReport {
+                lobes: settings.lobes,
+                objective: "em",
+                align: settings.align.to_string(),
+                iterations: settings.iterations,
+                tolerance: settings.tolerance,
+                kappa: settings.kappa,
+                threads: session.fitting().threads(),
+            },
+            seconds,
+            levels: session.fitting().levels().iter().enumerate().filter_map(level_report).collect(),
+            texels: self.texels.iter().map(|&texel| texel_report(session, texel)).collect(),
+        }
+    }
+}
+
+/// Refuses a texel that the map does not have.
+///
+/// # Errors
+/// One sentence that says what there is.
+pub fn check_texel(texel: Texel, sizes: &[(usize, usize)]) -> anyhow::Result<()> {
+    let size = sizes.get(texel.level).copied();
+    let Some((width, height)) = size else {
+        anyhow::bail!("There is no texel {texel}: the map's levels run from 0 to {}.", sizes.len() - 1);
+    };
+    anyhow::ensure!(
+        texel.x < width && texel.y < height,
+        "There is no texel {texel}: level {} has {width} x {height} texels.",
+        texel.level
+    );
+    Ok(())
+}
+
+fn texel_report(session: &Session, texel: Texel) -> TexelReport {
+    let lobes = session.lobes();
+    let map = session.map();
+    let mixture = lobes.mixture(texel).unwrap_or_default();
+    let mean_log_likelihood = match lobes.level(texel.level) {
+        Some(level) => smooth::mean_log_likelihood(map, level, (texel.x, texel.y), session.fit_settings()),
+        None => base_log_likelihood(&mixture),
+    };
+    let footprint = Footprint::new((map.width, map.height), map.level_sizes()[texel.level], (texel.x, texel.y));
+    TexelReport {
+        level: texel.level,
+        x: texel.x,
+        y: texel.y,
+        samples: footprint.len(),
+        mean_log_likelihood,
+        lobes: mixture.lobes.into_iter().map(|(_, lobe)| lobe).collect(),
+    }
+}
+
+/// A base texel is one normal at the peak of its own lobe, as sharp as a fit may be.
+fn base_log_likelihood(mixture: &Mixture) -> f64 {
+    if mixture.lobes.is_empty() { 0.0 } else { crate::sphere::vmf::log_peak(crate::sphere::vmf::KAPPA_MAX) }
+}
+
+impl Report {
+    fn to_text(&self) -> String {
+        let mut text = format!(
+            "{} {} x {}, {} lobes, align {}, {:.2} s\n",
+            self.map.path, self.map.width, self.map.height, self.settings.lobes, self.settings.align, self.seconds
+        );
+        for warning in &self.map.warnings {
+            text += &format!("warning: {warning}\n");
+        }
+        text += "\nlevel         size  log-likelihood  iterations  seconds\n";
+        for level in &self.levels {
+            let size = format!("{} x {}", level.width, level.height);
+            text += &format!(
+                "{:>5} {:>12}  {:>14.4}  {:>10.1}  {:>7.3}\n",
+                level.level, size, level.mean_log_likelihood, level.mean_iterations, level.seconds
+            );
+        }
+        self.texels.iter().for_each(|texel| text += &texel.to_text());
+        text
+    }
+}
+
+impl TexelReport {
+    fn to_text(&self) -> String {
+        let mut text = format!(
+            "\ntexel {},{},{}: {} normals, mean log-likelihood {:.6}\n    theta      phi      kappa   alpha        mu x      mu y      mu z\n",
+            self.level, self.x, self.y, self.samples, self.mean_log_likelihood
+        );
+        for lobe in &self.lobes {
+            let (theta, phi) = polar_deg(lobe.mean_direction.as_vec3());
+            let mu = lobe.mean_direction;
+            text += &format!(
+                "{theta:>9.3} {phi:>8.3} {:>10.3} {:>7.4}   {:>9.6} {:>9.6} {:>9.6}\n",
+                lobe.concentration, lobe.weight, mu.x, mu.y, mu.z
+            );
+        }
+        text
+    }
+}

@@ -1,0 +1,194 @@
+//! Options that several commands share.
+
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::filter::vmf::{Alignment, FitSettings};
+use crate::image_io::write_bytes_atomically;
+use crate::normal_map::{Addressing, GreenChannel, MapOptions, NormalMap};
+use crate::session::{MapRequest, Session, opening};
+use crate::sphere::vmf::KappaRule;
+
+/// How a map is read.
+#[derive(Args, Clone, Debug, Default)]
+pub struct MapArguments {
+    /// The green channel's convention.
+    #[arg(long = "y", value_enum, value_name = "CONVENTION")]
+    pub green: Option<Green>,
+    /// Read the image as heights, scaled by SCALE.
+    #[arg(long = "height", value_name = "SCALE")]
+    pub height_scale: Option<f32>,
+    /// Take z from x and y.
+    #[arg(long)]
+    pub two_channel: bool,
+    /// The map tiles (the default).
+    #[arg(long, conflicts_with = "clamp")]
+    pub wrap: bool,
+    /// The edge texel goes on beyond the edge.
+    #[arg(long)]
+    pub clamp: bool,
+}
+
+/// The green channel's convention.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Green {
+    /// +Y up, as OpenGL has it.
+    Up,
+    /// +Y down, as DirectX has it.
+    Down,
+}
+
+impl MapArguments {
+    /// The options, over what `base` says.
+    pub fn over(&self, base: MapOptions) -> MapOptions {
+        MapOptions {
+            green: match self.green {
+                Some(Green::Up) => GreenChannel::Up,
+                Some(Green::Down) => GreenChannel::Down,
+                None => base.green,
+            },
+            addressing: match (self.wrap, self.clamp) {
+                (true, _) => Addressing::Wrap,
+                (_, true) => Addressing::Clamp,
+                _ => base.addressing,
+            },
+            two_channel: self.two_channel || base.two_channel,
+            height_scale: self.height_scale.or(base.height_scale),
+        }
+    }
+
+    /// The request that opens `path`: a file, or a bundled map where no such file exists and one has that name.
+    pub fn request(&self, path: &Path, base: MapOptions) -> MapRequest {
+        let options = self.over(base);
+        match path.to_str().and_then(crate::normal_map::procedural::find) {
+            Some(sample) if !path.exists() => MapRequest::Bundled { name: sample.name.to_owned(), options },
+            _ => MapRequest::File { path: path.to_owned(), options },
+        }
+    }
+
+    /// Reads `path` now.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn read(&self, path: &Path) -> anyhow::Result<NormalMap> {
+        opening::read(&self.request(path, MapOptions::default())).map_err(anyhow::Error::msg)
+    }
+}
+
+/// How a map is fitted.
+#[derive(Args, Clone, Debug, Default)]
+pub struct FitArguments {
+    /// Lobes per texel, 1 to 16.
+    #[arg(short = 'J', long = "lobes", value_name = "N", value_parser = clap::value_parser!(u8).range(1..=16))]
+    pub lobes: Option<u8>,
+    /// What a fit maximises.
+    #[arg(long, value_enum, default_value_t)]
+    pub objective: Objective,
+    /// How lobes are aligned: smooth[:B], paper:C or none.
+    #[arg(long)]
+    pub align: Option<Alignment>,
+    /// Most EM iterations per texel.
+    #[arg(long, value_name = "N")]
+    pub iterations: Option<usize>,
+    /// Least gain in mean log-likelihood per normal that goes on.
+    #[arg(long, value_name = "T")]
+    pub tolerance: Option<f64>,
+    /// Which inverse of A gives kappa.
+    #[arg(long, value_enum)]
+    pub kappa: Option<Kappa>,
+    /// Threads to fit on; every core by default.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+/// What a fit maximises.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Objective {
+    /// The likelihood, by expectation maximisation from one seed.
+    #[default]
+    Em,
+}
+
+/// Which inverse of A gives kappa.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kappa {
+    /// Newton's method.
+    Exact,
+    /// Banerjee's closed form, as the papers have it.
+    Banerjee,
+}
+
+impl FitArguments {
+    /// The settings, over what `base` says.
+    pub fn over(&self, base: FitSettings) -> FitSettings {
+        FitSettings {
+            lobes: self.lobes.map_or(base.lobes, usize::from),
+            align: self.align.unwrap_or(base.align),
+            iterations: self.iterations.unwrap_or(base.iterations),
+            tolerance: self.tolerance.unwrap_or(base.tolerance),
+            kappa: match self.kappa {
+                Some(Kappa::Exact) => KappaRule::Exact,
+                Some(Kappa::Banerjee) => KappaRule::Banerjee,
+                None => base.kappa,
+            },
+        }
+    }
+
+    /// The threads asked for.
+    pub fn threads(&self) -> Option<usize> {
+        self.threads.map(usize::from)
+    }
+}
+
+/// Waits until the session's fit is complete, with a progress bar on a terminal and nothing in a pipe.
+///
+/// # Errors
+/// The sentence of a fit that failed.
+pub fn wait_for_fit(session: &mut Session) -> anyhow::Result<()> {
+    let bar = if std::io::stderr().is_terminal() { ProgressBar::new(1000) } else { ProgressBar::hidden() };
+    if let Ok(style) = ProgressStyle::with_template("fitting {bar:32} {percent:>3} % {msg}") {
+        bar.set_style(style);
+    }
+    while !session.fitting().is_complete() {
+        if let Some(progress) = session.fitting().progress() {
+            bar.set_position((progress.fraction * 1000.0) as u64);
+            let busy = progress.levels.iter().rposition(|&done| done > 0.0 && done < 1.0);
+            bar.set_message(busy.map_or_else(String::new, |level| format!("level {level}")));
+        }
+        session.wait(Duration::from_millis(50));
+        if let Some(error) = session.take_messages().into_iter().find(|message| message.is_error) {
+            anyhow::bail!(error.text);
+        }
+        anyhow::ensure!(session.fitting().is_running() || session.fitting().is_complete(), "The fit was stopped.");
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// Writes text to a file, whole or not at all, or to standard output where the path is `-`.
+///
+/// # Errors
+/// One sentence that names the target and the cause.
+pub fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
+    if path == Path::new("-") {
+        let mut out = std::io::stdout().lock();
+        return writeln!(out, "{text}").context("standard output cannot be written");
+    }
+    Ok(write_bytes_atomically(path, format!("{text}\n").as_bytes())?)
+}
+
+/// Reads a text file, or standard input where the path is `-`.
+///
+/// # Errors
+/// One sentence that names the file and the cause.
+pub fn read_text(path: &PathBuf) -> anyhow::Result<String> {
+    if path == Path::new("-") {
+        return std::io::read_to_string(std::io::stdin()).context("standard input cannot be read");
+    }
+    std::fs::read_to_string(path).with_context(|| format!("'{}' cannot be read", path.display()))
+}
