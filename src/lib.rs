@@ -6,6 +6,7 @@ pub mod cli;
 pub mod color;
 pub mod filter;
 pub mod gpu;
+pub mod headless;
 pub mod image_io;
 pub mod jobs;
 pub mod lighting;

@@ -1,6 +1,6 @@
 //! A level of the map as a picture: what part of it a view shows, and the colours of its texels.
 
-use egui::{Color32, ColorImage, Pos2, Rect, Vec2, pos2, vec2};
+use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureId, TextureOptions, Vec2, pos2, vec2};
 use glam::Vec3;
 
 use super::view_state::{MapShading, MapView};
@@ -75,6 +75,75 @@ impl MapProjection {
 
 fn clamped(center: Vec2) -> [f32; 2] {
     center.clamp(Vec2::ZERO, Vec2::splat(1.0)).into()
+}
+
+/// Levels as textures, made anew when what they show changes.
+#[derive(Default)]
+pub struct MapTextures {
+    thumbnails: Vec<Option<(PictureKey, TextureHandle)>>,
+    view: Option<(PictureKey, ViewKey, TextureHandle)>,
+}
+
+/// What a level's picture depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PictureKey {
+    map_revision: u64,
+    lobes_revision: u64,
+    shading: MapShading,
+    level: usize,
+}
+
+type ViewKey = (MapProjection, Rect, [usize; 2]);
+
+impl PictureKey {
+    fn new(session: &Session, shading: MapShading, level: usize) -> Self {
+        let lobes = if shading == MapShading::Lobes { session.fitting().revision() } else { 0 };
+        Self { map_revision: session.map_revision(), lobes_revision: lobes, shading, level }
+    }
+}
+
+impl MapTextures {
+    /// A level, at most `side` pixels across and down.
+    pub fn thumbnail(
+        &mut self,
+        ctx: &egui::Context,
+        session: &Session,
+        shading: MapShading,
+        level: usize,
+        side: usize,
+    ) -> TextureId {
+        if self.thumbnails.len() <= level {
+            self.thumbnails.resize_with(level + 1, || None);
+        }
+        let key = PictureKey::new(session, shading, level);
+        if let Some((made, texture)) = &self.thumbnails[level]
+            && *made == key
+        {
+            return texture.id();
+        }
+        let image = thumbnail(session, shading, level, side);
+        let texture = ctx.load_texture(format!("level {level}"), image, TextureOptions::NEAREST);
+        self.thumbnails[level].insert((key, texture)).1.id()
+    }
+
+    /// The part of a level that a view shows.
+    pub fn view(
+        &mut self,
+        ctx: &egui::Context,
+        session: &Session,
+        (shading, level): (MapShading, usize),
+        (projection, area, px): ViewKey,
+    ) -> TextureId {
+        let key = PictureKey::new(session, shading, level);
+        if let Some((made, shown, texture)) = &self.view
+            && (*made, *shown) == (key, (projection, area, px))
+        {
+            return texture.id();
+        }
+        let image = image(session, shading, level, &projection, area, px);
+        let texture = ctx.load_texture("map view", image, TextureOptions::NEAREST);
+        self.view.insert((key, (projection, area, px), texture)).2.id()
+    }
 }
 
 /// The part of a level that `projection` shows, a pixel per physical pixel of `area`, each the colour of the texel

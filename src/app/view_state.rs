@@ -73,6 +73,8 @@ pub struct ViewState {
     pub sphere_orbit: SphereOrbit,
     /// What the sphere shows.
     pub sphere_layers: SphereLayers,
+    /// Which repeat of the map carries the selected texel's outline on the surface, counted across and down.
+    pub pinned_repeat: [u32; 2],
     /// The path that is being typed.
     #[serde(skip)]
     pub typed_path: String,
