@@ -74,9 +74,12 @@ impl Parameter {
         let [low, high] = self.range;
         let gaps = ui.spacing().item_spacing.x;
         ui.spacing_mut().slider_width = (ui.available_width() - VALUE_WIDTH - gaps).max(40.0);
+        let height = std::mem::replace(&mut ui.spacing_mut().interact_size.y, theme::HANDLE);
         let slider = Slider::new(value, low..=high).show_value(false).logarithmic(self.logarithmic);
         let slider = if self.decimals == 0 { slider.integer() } else { slider.max_decimals(self.decimals) };
-        ui.add(slider).interact(Sense::click()).accessible_name(self.name)
+        let response = ui.add(slider).interact(Sense::click()).accessible_name(self.name);
+        ui.spacing_mut().interact_size.y = height;
+        response
     }
 
     fn typed(&self, ui: &mut Ui, value: &mut f64) -> Response {

@@ -27,6 +27,8 @@ pub const BADGE: Color32 = Color32::from_rgba_premultiplied(10, 11, 14, 205);
 pub const GRID: f32 = 4.0;
 /// Height of a row of controls.
 pub const ROW: f32 = 20.0;
+/// Height of a slider, which its handle follows.
+pub const HANDLE: f32 = 14.0;
 
 /// Dresses a context. Idempotent.
 pub fn apply(ctx: &egui::Context) {

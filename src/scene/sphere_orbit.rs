@@ -16,7 +16,7 @@ pub struct SphereOrbit {
 
 impl Default for SphereOrbit {
     fn default() -> Self {
-        Self { spin_deg: 25.0, tilt_deg: 38.0 }
+        Self { spin_deg: 25.0, tilt_deg: 32.0 }
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use egui::{ProgressBar, RichText, ScrollArea, TextEdit, Ui};
 use glam::Vec3;
 
-use super::{PanelContext, section};
+use super::{PanelContext, heading, rule};
 use crate::app::parameter::{Parameter, choice, label};
 use crate::app::{Command, theme};
 use crate::brdf::ConvolutionRule;
@@ -23,16 +23,19 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         ui.set_max_width(ui.available_width() - 6.0);
-        section(ui, "Map", true);
+        heading(ui, "Map");
         map(ui, context);
-        section(ui, "Fit", false);
+        rule(ui);
+        heading(ui, "Fit");
         fit(ui, context);
         let mut surface = context.session.surface;
-        section(ui, "Material", false);
+        rule(ui);
+        heading(ui, "Material");
         material(ui, &mut surface);
-        section(ui, "Light", false);
+        rule(ui);
         light(ui, &mut surface);
-        section(ui, "Surface", false);
+        rule(ui);
+        heading(ui, "Surface");
         shape(ui, &mut surface, context.session.map().level_sizes().len());
         ui.add_space(2.0 * theme::GRID);
         if surface != context.session.surface {
@@ -167,6 +170,7 @@ fn material(ui: &mut Ui, surface: &mut LitSurface) {
     p::DIFFUSE.show_f32(ui, &mut material.diffuse);
     ui.horizontal(|ui| {
         label(ui, "Colours");
+        ui.spacing_mut().interact_size.x = 28.0;
         color(ui, "Specular colour", &mut material.specular_color);
         ui.label(RichText::new("specular").small().color(theme::WEAK));
         color(ui, "Diffuse colour", &mut material.diffuse_color);
@@ -188,13 +192,15 @@ fn color(ui: &mut Ui, name: &str, value: &mut Vec3) {
 
 fn light(ui: &mut Ui, surface: &mut LitSurface) {
     let light = &mut surface.light;
+    ui.horizontal(|ui| {
+        heading(ui, "Light");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            color(ui, "Light colour", &mut light.color);
+        });
+    });
     p::LIGHT_AZIMUTH.show_f32(ui, &mut light.azimuth_deg);
     p::LIGHT_ELEVATION.show_f32(ui, &mut light.elevation_deg);
     p::LIGHT_INTENSITY.show_f32(ui, &mut light.intensity);
-    ui.horizontal(|ui| {
-        label(ui, "Colour");
-        color(ui, "Light colour", &mut light.color);
-    });
 }
 
 fn shape(ui: &mut Ui, surface: &mut LitSurface, levels: usize) {

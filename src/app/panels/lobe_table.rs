@@ -1,12 +1,24 @@
-//! The lobes of the selected texel in numbers, as Mikkelsen's tables have them, and how well they fit.
+//! The lobes of the selected texel in numbers, as Mikkelsen's tables have them.
 
-use egui::{Color32, Grid, RichText, Sense, Ui, vec2};
+use egui::{Align2, Color32, FontId, Rect, Sense, Ui, pos2, vec2};
 
 use crate::app::texel_report::TexelFit;
 use crate::app::theme;
 use crate::color::LOBE_COLORS;
 use crate::sphere::Lobe;
 use crate::sphere::direction::polar_deg;
+
+/// Height of a row.
+const ROW: f32 = 18.0;
+
+/// Heading and meaning of the columns behind the lobe's number.
+const COLUMNS: [(&str, &str); 5] = [
+    ("alpha", "Weight, 0 to 1"),
+    ("theta", "Angle of the mean direction from +z, degrees"),
+    ("phi", "Its angle from +x towards +y, degrees"),
+    ("kappa", "Concentration"),
+    ("width", "One standard deviation, about 57° / sqrt(kappa)"),
+];
 
 /// The colour of a slot.
 pub fn slot_color(slot: usize) -> Color32 {
@@ -16,37 +28,51 @@ pub fn slot_color(slot: usize) -> Color32 {
 
 /// Shows the table.
 pub fn show(ui: &mut Ui, fit: &TexelFit) {
-    let columns = [("", ""), ("α", "Weight"), ("θ°", "Angle from +z, degrees"), ("φ°", "Angle from +x towards +y"), (
-        "κ",
-        "Concentration: the lobe's width is about 57° / sqrt(κ)",
-    )];
-    Grid::new("lobes").num_columns(columns.len()).spacing([10.0, 3.0]).min_row_height(17.0).show(ui, |ui| {
-        for (symbol, meaning) in columns {
-            right(ui, RichText::new(symbol).small().color(theme::WEAK)).on_hover_text(meaning);
-        }
-        ui.end_row();
-        for (slot, lobe) in &fit.mixture.lobes {
-            row(ui, *slot, lobe);
+    row(ui, |ui, rect| {
+        for (index, (heading, meaning)) in COLUMNS.iter().enumerate() {
+            let cell = cell(rect, index);
+            ui.painter().text(cell.right_center(), Align2::RIGHT_CENTER, heading, FontId::proportional(11.0), theme::WEAK);
+            ui.interact(cell, ui.id().with(*heading), Sense::hover()).on_hover_text(*meaning);
         }
     });
+    for (slot, lobe) in &fit.mixture.lobes {
+        row(ui, |ui, rect| lobe_row(ui, rect, *slot, lobe));
+    }
 }
 
-fn row(ui: &mut Ui, slot: usize, lobe: &Lobe) {
-    ui.horizontal(|ui| {
-        let (rect, _) = ui.allocate_exact_size(vec2(10.0, 12.0), Sense::hover());
-        ui.painter().circle_filled(rect.center(), 4.5, slot_color(slot));
-        ui.label(RichText::new(format!("{}", slot + 1)).small().color(theme::WEAK));
-    });
+fn row(ui: &mut Ui, contents: impl FnOnce(&mut Ui, Rect)) {
+    ui.spacing_mut().item_spacing.y = 0.0;
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    contents(ui, rect);
+    ui.spacing_mut().item_spacing.y = theme::GRID;
+}
+
+/// The place of a column: what is left of the row behind the number, in equal parts.
+fn cell(row: Rect, index: usize) -> Rect {
+    let first = row.left() + 26.0;
+    let width = (row.right() - first) / COLUMNS.len() as f32;
+    let left = first + index as f32 * width;
+    Rect::from_min_max(pos2(left, row.top()), pos2(left + width, row.bottom()))
+}
+
+fn lobe_row(ui: &Ui, rect: Rect, slot: usize, lobe: &Lobe) {
+    let painter = ui.painter();
+    painter.circle_filled(rect.left_center() + vec2(6.0, 0.0), 5.0, slot_color(slot));
+    let number = rect.left_center() + vec2(17.0, 0.0);
+    painter.text(number, Align2::LEFT_CENTER, slot + 1, FontId::proportional(11.0), theme::WEAK);
     let (theta, phi) = polar_deg(lobe.mean_direction.as_vec3());
-    for text in [
+    let width = lobe.concentration.sqrt().recip().to_degrees().min(180.0);
+    let texts = [
         format!("{:.3}", lobe.weight),
-        format!("{theta:.1}"),
-        format!("{phi:.1}"),
+        format!("{theta:.1}°"),
+        format!("{phi:.1}°"),
         kappa_text(lobe.concentration),
-    ] {
-        right(ui, RichText::new(text).monospace());
+        format!("{width:.1}°"),
+    ];
+    for (index, text) in texts.into_iter().enumerate() {
+        let at = cell(rect, index).right_center();
+        painter.text(at, Align2::RIGHT_CENTER, text, FontId::monospace(11.5), theme::TEXT);
     }
-    ui.end_row();
 }
 
 fn kappa_text(kappa: f64) -> String {
@@ -56,12 +82,4 @@ fn kappa_text(kappa: f64) -> String {
         k if k >= 10.0 => format!("{k:.1}"),
         k => format!("{k:.2}"),
     }
-}
-
-fn right(ui: &mut Ui, text: RichText) -> egui::Response {
-    ui.allocate_ui_with_layout(vec2(52.0, 14.0), egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        ui.set_min_width(44.0);
-        ui.label(text)
-    })
-    .inner
 }

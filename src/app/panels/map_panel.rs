@@ -11,16 +11,18 @@ use crate::normal_map::pyramid::Texel;
 use crate::session::Session;
 use crate::session::fitting::LevelState;
 
-/// Longer side of a level in the strip, in points.
-const THUMBNAIL: f32 = 64.0;
+/// Longer side of a level in the strip, in points: all levels in sight where that leaves them large enough.
+const THUMBNAIL: [f32; 2] = [44.0, 64.0];
+/// Between two levels.
+const GAP: f32 = 8.0;
 
 const WHOLE: Rect = Rect { min: pos2(0.0, 0.0), max: pos2(1.0, 1.0) };
 
 /// The strip of levels.
 pub fn strip(ui: &mut Ui, context: &mut PanelContext<'_>) {
     ui.horizontal(|ui| {
-        ui.label(RichText::new("Levels").strong().size(13.0).color(theme::STRONG));
-        ui.label(RichText::new("click one to select a texel").small().color(theme::WEAK));
+        super::heading(ui, "Levels");
+        ui.label(RichText::new("a click selects the texel under it").small().color(theme::WEAK));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let reversed: Vec<_> = MapShading::ALL.into_iter().rev().collect();
             segmented(ui, "Texels as", &mut context.view.map.shading, &reversed);
@@ -28,25 +30,28 @@ pub fn strip(ui: &mut Ui, context: &mut PanelContext<'_>) {
     });
     ScrollArea::horizontal().auto_shrink([false, true]).show(ui, |ui| {
         ui.horizontal_top(|ui| {
-            ui.spacing_mut().item_spacing.x = 8.0;
-            for level in 0..context.session.map().level_sizes().len() {
-                thumbnail(ui, context, level);
+            ui.spacing_mut().item_spacing.x = GAP;
+            let levels = context.session.map().level_sizes().len();
+            let [least, most] = THUMBNAIL;
+            let side = ((ui.available_width() - 4.0) / levels as f32 - GAP).floor().clamp(least, most);
+            for level in 0..levels {
+                thumbnail(ui, context, level, side);
             }
         });
         ui.add_space(theme::GRID);
     });
 }
 
-fn thumbnail(ui: &mut Ui, context: &mut PanelContext<'_>, level: usize) {
+fn thumbnail(ui: &mut Ui, context: &mut PanelContext<'_>, level: usize, side: f32) {
     let size = context.session.map().level_sizes()[level];
     ui.vertical(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
-        let (cell, response) = ui.allocate_exact_size(vec2(THUMBNAIL, THUMBNAIL), Sense::click());
+        let (cell, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::click());
         let response = response.accessible_name(format!("Level {level}"));
         let longer = size.0.max(size.1) as f32;
-        let shown = (vec2(size.0 as f32, size.1 as f32) * THUMBNAIL / longer).max(Vec2::splat(2.0));
+        let shown = (vec2(size.0 as f32, size.1 as f32) * side / longer).max(Vec2::splat(2.0));
         let rect = Rect::from_center_size(cell.center(), shown);
-        let pixels = (THUMBNAIL * ui.pixels_per_point()).round() as usize;
+        let pixels = (side * ui.pixels_per_point()).round() as usize;
         let texture =
             context.textures.thumbnail(ui.ctx(), context.session, context.view.map.shading, level, pixels);
         ui.painter().rect_filled(cell, 0.0, theme::CANVAS);
@@ -54,7 +59,7 @@ fn thumbnail(ui: &mut Ui, context: &mut PanelContext<'_>, level: usize) {
         let projection = MapProjection::new(rect, (context.session.map().width, context.session.map().height), &Default::default());
         point_at(context, &response, &projection, level);
         frame(ui.painter(), context.session, cell, &projection, level, response.hovered());
-        caption(ui, context.session, level, size);
+        caption(ui, context.session, level, side);
     });
 }
 
@@ -81,9 +86,10 @@ fn ring(painter: &Painter, texel: Rect, least: f32) {
     painter.rect_stroke(rect, 1.0, Stroke::new(1.5, Color32::WHITE), StrokeKind::Outside);
 }
 
-fn caption(ui: &mut Ui, session: &Session, level: usize, size: (usize, usize)) {
+fn caption(ui: &mut Ui, session: &Session, level: usize, side: f32) {
+    let size = session.map().level_sizes()[level];
     let state = session.fitting().levels()[level].state;
-    let (rect, response) = ui.allocate_exact_size(vec2(THUMBNAIL, 3.0), Sense::hover());
+    let (rect, response) = ui.allocate_exact_size(vec2(side, 3.0), Sense::hover());
     let fraction = session.fitting().progress().and_then(|progress| progress.levels.get(level).copied());
     let (fraction, color, words) = match (state, fraction) {
         (LevelState::Done, _) => (1.0, theme::ACCENT.gamma_multiply(0.55), "fitted"),
@@ -95,12 +101,11 @@ fn caption(ui: &mut Ui, session: &Session, level: usize, size: (usize, usize)) {
     let done = Rect::from_min_size(rect.min, vec2(rect.width() * fraction, rect.height()));
     ui.painter().rect_filled(done, 1.0, color);
     response.on_hover_text(words);
-    let text = RichText::new(format!("{level}")).small().color(theme::TEXT);
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 4.0;
-        ui.label(text);
-        ui.label(RichText::new(format!("{}×{}", size.0, size.1)).small().color(theme::WEAK));
-    });
+    let (rect, _) = ui.allocate_exact_size(vec2(side, 13.0), Sense::hover());
+    let painter = ui.painter();
+    painter.text(rect.left_top(), Align2::LEFT_TOP, level, FontId::proportional(11.0), theme::TEXT);
+    let text = if size.0 == size.1 { format!("{}²", size.0) } else { format!("{}×{}", size.0, size.1) };
+    painter.text(rect.right_top(), Align2::RIGHT_TOP, text, FontId::proportional(10.0), theme::WEAK);
 }
 
 /// Reads the texel under the pointer and selects it on a click.

@@ -43,16 +43,17 @@ impl PanelContext<'_> {
     }
 }
 
-/// The heading of a group of controls, with a line above all but the first.
-pub fn section(ui: &mut Ui, title: &str, is_first: bool) {
-    if !is_first {
-        ui.add_space(2.0 * theme::GRID);
-        let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 1.0), egui::Sense::hover());
-        ui.painter().rect_filled(rect, 0.0, theme::LINE);
-        ui.add_space(theme::GRID);
-    }
-    ui.label(RichText::new(title).strong().size(13.0).color(theme::STRONG));
+/// A line across the panel.
+pub fn rule(ui: &mut Ui) {
+    ui.add_space(theme::GRID);
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 1.0), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 0.0, theme::LINE);
     ui.add_space(2.0);
+}
+
+/// The heading of a group.
+pub fn heading(ui: &mut Ui, title: &str) {
+    ui.label(RichText::new(title).strong().size(13.0).color(theme::STRONG));
 }
 
 /// A button that is on or off.

@@ -18,18 +18,22 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         heading(ui, context);
         let side = ui.available_width().min(420.0);
         let reading = sphere(ui, context, side);
-        presets(ui, context);
+        layers(ui, context);
         scale_bar(ui, context);
         ui.label(RichText::new(reading).small().monospace().color(theme::WEAK));
         numbers(ui, context);
     });
 }
 
-fn heading(ui: &mut Ui, context: &PanelContext<'_>) {
+fn heading(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let texel = context.session.selected();
     ui.horizontal(|ui| {
-        let title = format!("Texel {}, {} of level {}", texel.x, texel.y, texel.level);
-        ui.label(RichText::new(title).strong().size(13.0).color(theme::STRONG));
+        super::heading(ui, &format!("Texel {}, {} of level {}", texel.x, texel.y, texel.level));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let choices =
+                [(SphereOrbit::default(), "Free"), (SphereOrbit::SIDE, "Side"), (SphereOrbit::TOP, "Top")];
+            segmented(ui, "Sphere from", &mut context.view.sphere_orbit, &choices);
+        });
     });
     let text = match context.report.data() {
         _ if context.report.is_gathering() => "gathering its normals".to_owned(),
@@ -108,12 +112,9 @@ fn reading(context: &PanelContext<'_>, rect: Rect, response: &Response) -> Optio
     Some(format!("θ {theta:.1}° φ {phi:.1}° data {density:.2}{}", lobes.unwrap_or_default()))
 }
 
-fn presets(ui: &mut Ui, context: &mut PanelContext<'_>) {
+fn layers(ui: &mut Ui, context: &mut PanelContext<'_>) {
     ui.horizontal(|ui| {
-        let choices =
-            [(SphereOrbit::TOP, "Top"), (SphereOrbit::SIDE, "Side"), (SphereOrbit::default(), "Free")];
-        segmented(ui, "Sphere from", &mut context.view.sphere_orbit, &choices);
-        ui.add_space(2.0 * theme::GRID);
+        ui.spacing_mut().item_spacing.x = theme::GRID;
         let layers = &mut context.view.sphere_layers;
         toggle(ui, &mut layers.density, "Density", "The normals' smooth density");
         toggle(ui, &mut layers.points, "Points", "The normals, their area their weight");
@@ -167,10 +168,11 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>) {
     lobe_table::show(ui, fit);
     ui.add_space(theme::GRID);
     let shininess = context.session.surface.material.shininess;
+    let brdf_error = format!("Effective BRDF error at s = {shininess:.0}");
     let rows = [
         ("Mean log-likelihood", format!("{:.4}", fit.mean_log_likelihood), "Mean of ln(density) over the normals"),
         (
-            "Effective BRDF error",
+            &brdf_error,
             format!("{:.2} %", 100.0 * fit.brdf_error),
             "Lobes against all normals, over the hemisphere, at the material's shininess",
         ),
@@ -183,5 +185,4 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>) {
             });
         });
     }
-    ui.label(RichText::new(format!("at s = {shininess:.0}")).small().color(theme::WEAK));
 }

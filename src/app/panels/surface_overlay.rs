@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, pos
 
 use super::PanelContext;
 use super::map_panel::badge;
-use super::surface_panel::{dome_point, project};
+use super::surface_panel::{WIDE, dome_point, project};
 use crate::app::theme;
 use crate::filter::Method;
 use crate::filter::vmf::Fold;
@@ -30,6 +30,9 @@ pub fn badges(painter: &Painter, context: &PanelContext<'_>, picture: Rect) {
     if comparison.wipe < 0.98 && both {
         let corner = picture.right_top() + vec2(-12.0, 12.0);
         method_badges(painter, context, comparison.right, corner, Align2::RIGHT_TOP);
+    }
+    if picture.width() < WIDE {
+        return;
     }
     let hint = "drag: orbit · L + drag: light · wheel: dolly · click: select";
     let at = picture.left_bottom() + vec2(12.0, -12.0);

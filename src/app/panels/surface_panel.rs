@@ -14,6 +14,8 @@ use crate::session::Comparison;
 
 /// Height of the bar with the methods.
 const BAR: f32 = 32.0;
+/// From this width on the bar has room for the wipe, and the picture for the hint.
+pub const WIDE: f32 = 480.0;
 
 /// Shows the bar and the picture.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
@@ -37,26 +39,14 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
 
 fn methods(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let mut comparison = context.session.comparison;
+    let roomy = ui.available_width() > WIDE;
     ui.horizontal_centered(|ui| {
-        let width = 96.0;
-        ui.label(egui::RichText::new("Left").color(theme::WEAK));
-        combo(ui, "Left method", &mut comparison.left, width);
+        combo(ui, "Left method", &mut comparison.left);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            combo(ui, "Right method", &mut comparison.right, width);
-            ui.label(egui::RichText::new("Right").color(theme::WEAK));
-            if ui.button("Swap").on_hover_text("Exchange left and right").clicked() {
-                std::mem::swap(&mut comparison.left, &mut comparison.right);
+            combo(ui, "Right method", &mut comparison.right);
+            if roomy {
+                between(ui, &mut comparison);
             }
-            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                ui.add_space(12.0);
-                ui.label(egui::RichText::new("Wipe").color(theme::WEAK));
-                ui.spacing_mut().slider_width = (ui.available_width() - 20.0).max(40.0);
-                let slider = egui::Slider::new(&mut comparison.wipe, 0.0..=1.0).show_value(false);
-                let response = ui.add(slider).interact(Sense::click()).accessible_name("Wipe");
-                if response.on_hover_text("How much of the picture the left method gets").double_clicked() {
-                    comparison.wipe = Comparison::default().wipe;
-                }
-            });
         });
     });
     if comparison != context.session.comparison {
@@ -64,10 +54,28 @@ fn methods(ui: &mut Ui, context: &mut PanelContext<'_>) {
     }
 }
 
-fn combo(ui: &mut Ui, name: &str, method: &mut Method, width: f32) {
+/// What stands between the methods: exchange them, and the wipe.
+fn between(ui: &mut Ui, comparison: &mut Comparison) {
+    if ui.button("Swap").on_hover_text("Exchange left and right").clicked() {
+        std::mem::swap(&mut comparison.left, &mut comparison.right);
+    }
+    ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+        ui.label(egui::RichText::new("Wipe").color(theme::WEAK));
+        ui.spacing_mut().slider_width = (ui.available_width() - theme::GRID).max(40.0);
+        ui.spacing_mut().interact_size.y = theme::HANDLE;
+        let slider = egui::Slider::new(&mut comparison.wipe, 0.0..=1.0).show_value(false);
+        let response = ui.add(slider).interact(Sense::click()).accessible_name("Wipe");
+        let response = response.on_hover_text("How much of the picture the left method gets");
+        if response.double_clicked() {
+            comparison.wipe = Comparison::default().wipe;
+        }
+    });
+}
+
+fn combo(ui: &mut Ui, name: &str, method: &mut Method) {
     let methods = Method::ALL.map(|method| (method, overlay::method_label(method)));
     ui.scope(|ui| {
-        ui.set_width(width);
+        ui.set_width(104.0);
         crate::app::parameter::combo(ui, name, method, &methods);
     });
 }
@@ -137,7 +145,6 @@ fn wipe(ui: &Ui, context: &mut PanelContext<'_>, picture: Rect) {
     }
     let x = picture.left() + comparison.wipe * picture.width();
     let handle = Rect::from_center_size(Pos2::new(x, picture.center().y), vec2(18.0, 44.0));
-    let handle = handle.translate(vec2(0.0, 0.0)).intersect(picture.expand(9.0));
     let response = ui.interact(handle, Id::unique("wipe handle"), Sense::click_and_drag());
     let response = response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal).accessible_name("Wipe handle");
     if let Some(position) = response.interact_pointer_pos().filter(|_| response.dragged()) {

@@ -33,7 +33,7 @@ pub struct SphereLayers {
 
 impl Default for SphereLayers {
     fn default() -> Self {
-        Self { points: true, density: true, lobes: true, logarithmic: false }
+        Self { points: true, density: true, lobes: true, logarithmic: true }
     }
 }
 
