@@ -2,7 +2,7 @@
 
 mod context;
 mod layouts;
-mod maps;
+pub mod maps;
 mod twins;
 
 use std::sync::{Arc, OnceLock};
