@@ -14,7 +14,6 @@ use crate::filter::vmf::{Fold, LobePyramid};
 use crate::filter::{Method, PlainMip};
 use crate::lit_surface::{LevelChoice, LitSurface};
 use crate::normal_map::Addressing;
-use crate::wgpu;
 
 /// Everything a frame shows.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,5 @@
 //! Textures back to the processor.
 
-use crate::wgpu;
-
 /// Why a texture could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadbackError {

@@ -14,7 +14,6 @@ use super::upload::{Source, UploadQueue};
 use crate::filter::PlainMip;
 use crate::filter::vmf::{BaseSlots, LobePyramid, MixtureLevel};
 use crate::normal_map::Addressing;
-use crate::wgpu;
 
 /// Memory set aside for mean normals: just enough for 8192 x 8192 in 32 bits a channel.
 const MEANS_BYTES: u64 = 3 << 29;

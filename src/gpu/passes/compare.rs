@@ -1,7 +1,6 @@
 //! Puts one or two pictures of the surface beside each other at a wipe, exposes them, and encodes sRGB, once.
 
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer};
-use crate::wgpu;
 
 /// The shader's parts, in order.
 pub const SHADER: [&str; 2] = [layout::SRGB, include_str!("../../../shaders/compare.wgsl")];

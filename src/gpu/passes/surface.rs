@@ -9,7 +9,6 @@ use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_b
 use crate::gpu::textures::MapTextures;
 use crate::lit_surface::{LevelChoice, LitSurface};
 use crate::scene::{ShapeKind, Vertex};
-use crate::wgpu;
 
 /// The format of the pictures: 32-bit floats, which sums of many samples need, bit for bit in unsigned integers, which
 /// every adapter can draw to.

@@ -1,7 +1,7 @@
 //! The choice of the adapter, and reading back.
 
 use ndf_inspector::gpu::{context, readback};
-use ndf_inspector::wgpu;
+use wgpu;
 
 use super::gpu;
 

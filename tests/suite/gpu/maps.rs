@@ -30,6 +30,7 @@ pub fn map(
         source: MapSource::Bundled("test"),
         stored: Arc::new(stored),
         warnings: Vec::new(),
+        decoder: None,
     })
 }
 

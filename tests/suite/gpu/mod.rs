@@ -3,7 +3,7 @@
 mod context;
 mod frames;
 mod layouts;
-mod maps;
+pub mod maps;
 mod twins;
 
 use std::sync::{Arc, OnceLock};
