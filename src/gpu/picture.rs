@@ -3,7 +3,6 @@
 use super::context::Gpu;
 use super::frame::{FrameBudget, FrameInput, SurfaceFrame};
 use super::readback::{self, ReadbackError};
-use crate::wgpu;
 
 /// The format of pictures that are read back.
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;

@@ -25,7 +25,7 @@ const LAYERS: &[(u8, &[&str])] = &[
 const HIGHEST_PURE_LAYER: u8 = 3;
 
 /// The files that hand our drawing to the window toolkit.
-const BRIDGES: &[&str] = &["src/lib.rs", "src/app/viewport.rs", "src/app/window.rs", "src/headless.rs"];
+const BRIDGES: &[&str] = &["src/app/viewport.rs", "src/app/window.rs", "src/headless.rs"];
 
 const TOP_LEVEL_FOLDERS: &[&str] = &["src", "shaders", "assets", "tests"];
 
@@ -88,8 +88,6 @@ fn imports_upwards(file: &SourceFile) -> Vec<String> {
             Some(other) => {
                 Some(file.complaint(mention, &format!("layer {other}, and `{}` is layer {own}", file.top())))
             }
-            // `lib.rs` passes it on from the window toolkit; who may name it is the next law's business.
-            None if mention.path[1] == "wgpu" => None,
             None => Some(file.complaint(mention, "no module of the layer table")),
         })
         .collect()

@@ -5,7 +5,6 @@ use ndf_inspector::color::srgb8_from_linear;
 use ndf_inspector::filter::Method;
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame, render_to_rgba8};
 use ndf_inspector::normal_map::Addressing;
-use ndf_inspector::wgpu;
 
 use super::{Scene, gpu, maps};
 
