@@ -10,7 +10,7 @@ use super::options::{FitArguments, MapArguments, wait_for_fit};
 use crate::brdf::Brdf;
 use crate::filter::{Method, MethodChoice};
 use crate::gpu::context::Gpu;
-use crate::gpu::frame::{FrameInput, render_to_rgba8};
+use crate::gpu::{FrameInput, render_to_rgba8};
 use crate::image_io::write_png_rgba8;
 use crate::lit_surface::LevelChoice;
 use crate::normal_map::procedural;

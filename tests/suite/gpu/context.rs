@@ -1,7 +1,6 @@
 //! The choice of the adapter, and reading back.
 
 use ndf_inspector::gpu::{context, readback};
-use wgpu;
 
 use super::gpu;
 

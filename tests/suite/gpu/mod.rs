@@ -1,6 +1,7 @@
 //! What the graphics adapter draws, held against the processor's twins.
 
 mod context;
+mod frames;
 mod layouts;
 pub mod maps;
 mod twins;
