@@ -131,7 +131,8 @@ fn every_method_of_a_base_texel_and_of_a_flat_map_is_the_unfiltered_shading() {
         .save(folder.path().join("flat.png"))
         .expect("saved");
     sample(&folder, "waves");
-    for (map, texel) in [("waves.png", "0,50,31"), ("flat.png", "2,1,1"), ("flat.png", "4,0,0"), ("flat.png", "0,3,3")] {
+    for (map, texel) in [("waves.png", "0,50,31"), ("flat.png", "2,1,1"), ("flat.png", "4,0,0"), ("flat.png", "0,3,3")]
+    {
         let truth = values(map, texel, "truth");
         for method in ["mip", "vmf:6"] {
             for (value, exact) in values(map, texel, method).iter().zip(&truth) {
