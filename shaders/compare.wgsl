@@ -16,8 +16,9 @@ const BACKGROUND_BOTTOM: f32 = 0.006;
 const DIVIDER: f32 = 0.8;
 
 @group(0) @binding(0) var<uniform> compare: Compare;
-@group(0) @binding(1) var left: texture_2d<f32>;
-@group(0) @binding(2) var right: texture_2d<f32>;
+// The pictures' floats, bit for bit.
+@group(0) @binding(1) var left: texture_2d<u32>;
+@group(0) @binding(2) var right: texture_2d<u32>;
 
 struct Corner {
     @builtin(position) position: vec4f,
@@ -39,9 +40,9 @@ fn fragment(corner: Corner) -> @location(0) vec4f {
     let x = corner.at.x * size.x;
     var color = vec4f(0.0);
     if x < compare.wipe {
-        color = textureLoad(left, texel, 0) * vec4f(vec3f(compare.left_scale), 1.0);
+        color = bitcast<vec4f>(textureLoad(left, texel, 0)) * vec4f(vec3f(compare.left_scale), 1.0);
     } else {
-        color = textureLoad(right, texel, 0) * vec4f(vec3f(compare.right_scale), 1.0);
+        color = bitcast<vec4f>(textureLoad(right, texel, 0)) * vec4f(vec3f(compare.right_scale), 1.0);
     }
     let background = mix(BACKGROUND_TOP, BACKGROUND_BOTTOM, corner.at.y);
     var linear = select(vec3f(background), color.rgb, color.a > 0.5);

@@ -1,5 +1,6 @@
 // The lit surface, one entry point per method; radiance in linear light, before exposure, alpha 1 where it is seen.
-// `truth` adds its samples to the sum so far; the others are whole pictures.
+// `truth` adds its samples to the sum so far; the others are whole pictures. The floats are written bit for bit into
+// targets of unsigned integers, which every adapter can draw to; GL often cannot draw to 32-bit floats.
 
 struct Frame {
     clip_from_world: mat4x4f,
@@ -41,7 +42,7 @@ const EMPTY_WEIGHT: f32 = 1e-7;
 @group(1) @binding(3) var trilinear: sampler;
 
 // The sum of the truth's samples so far.
-@group(2) @binding(0) var sum_so_far: texture_2d<f32>;
+@group(2) @binding(0) var sum_so_far: texture_2d<u32>;
 
 struct Corner {
     @location(0) position_in_world: vec3f,
@@ -93,12 +94,17 @@ fn local_light(point: Point) -> LocalLight {
     return LocalLight(frame.light_in_world * world_from_tangent, half * world_from_tangent);
 }
 
+// The texel of a seen surface.
+fn seen(color: vec3f) -> vec4u {
+    return bitcast<vec4u>(vec4f(color, 1.0));
+}
+
 @fragment
-fn truth(point: Point) -> @location(0) vec4f {
+fn truth(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
     let light = local_light(point);
     let size = vec2i(textureDimensions(means));
-    var sum = textureLoad(sum_so_far, vec2i(lookup.pixel), 0).rgb;
+    var sum = bitcast<vec3f>(textureLoad(sum_so_far, vec2i(lookup.pixel), 0).rgb);
     for (var i = 0u; i < frame.sample_count; i++) {
         let offset = jitter(lookup.pixel, frame.first_sample + i);
         let uv = lookup.uv + offset.x * lookup.uv_dx + offset.y * lookup.uv_dy;
@@ -111,18 +117,18 @@ fn truth(point: Point) -> @location(0) vec4f {
         let light_cosine = dot(normal, light.light_in_tangent);
         sum += frame.radiance * reflect(material(), frame.shininess, half_cosine, light_cosine);
     }
-    return vec4f(sum, 1.0);
+    return seen(sum);
 }
 
 @fragment
-fn mip(point: Point) -> @location(0) vec4f {
+fn mip(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
     let light = local_light(point);
     let lod = level_of_detail(frame.fixed_level, lookup.uv_dx, lookup.uv_dy, frame.base_size, frame.mip_lods);
     let normal = normalize_or_zero(textureSampleLevel(means, trilinear, lookup.uv, lod - frame.base_level).xyz);
     let half_cosine = dot(normal, light.half_in_tangent);
     let light_cosine = dot(normal, light.light_in_tangent);
-    return vec4f(frame.radiance * reflect(material(), frame.shininess, half_cosine, light_cosine), 1.0);
+    return seen(frame.radiance * reflect(material(), frame.shininess, half_cosine, light_cosine));
 }
 
 // The base texels around a point, each a lobe (1, n) in a slot of its own.
@@ -184,7 +190,7 @@ fn shade_lobe(stored: vec4f, light: LocalLight, material: Material) -> vec3f {
 }
 
 @fragment
-fn vmf(point: Point) -> @location(0) vec4f {
+fn vmf(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
     let light = local_light(point);
     let lod = level_of_detail(frame.fixed_level, lookup.uv_dx, lookup.uv_dy, frame.base_size, frame.vmf_lods);
@@ -207,5 +213,5 @@ fn vmf(point: Point) -> @location(0) vec4f {
             sum += shade_lobe(stored, light, material());
         }
     }
-    return vec4f(frame.radiance * sum, 1.0);
+    return seen(frame.radiance * sum);
 }

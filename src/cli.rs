@@ -1,8 +1,10 @@
 //! The command line: what can be asked for, and the way it is carried out.
 
+pub mod adapters;
 pub mod fit;
 pub mod options;
 pub mod probe;
+pub mod render;
 pub mod sample;
 
 use std::path::PathBuf;
@@ -31,8 +33,12 @@ pub enum Command {
     Fit(fit::FitCommand),
     /// Effective BRDF values of a method at chosen texels and directions.
     Probe(probe::ProbeCommand),
+    /// The lit surface alone, without a window.
+    Render(render::RenderCommand),
     /// Write a bundled map, or list them.
     Sample(sample::SampleCommand),
+    /// What graphics adapter would be used, and why.
+    Adapters,
 }
 
 /// Carries out a command.
@@ -43,6 +49,8 @@ pub fn run(command: Command) -> anyhow::Result<()> {
     match command {
         Command::Fit(command) => command.run(),
         Command::Probe(command) => command.run(),
+        Command::Render(command) => command.run(),
         Command::Sample(command) => command.run(),
+        Command::Adapters => adapters::run(),
     }
 }

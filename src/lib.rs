@@ -17,6 +17,3 @@ pub mod reference;
 pub mod scene;
 pub mod session;
 pub mod sphere;
-
-/// The graphics interface, in the version that the window toolkit draws with.
-pub use egui_wgpu::wgpu;

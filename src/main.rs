@@ -6,7 +6,7 @@ use clap::Parser;
 use ndf_inspector::cli::{self, Cli};
 
 fn main() -> ExitCode {
-    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
+    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("ndf_inspector=warn")).init();
     let cli = Cli::parse();
     let result = match cli.command {
         Some(command) => cli::run(command),

@@ -79,5 +79,5 @@ fn rows(footprint: &Footprint) -> impl IndexedParallelIterator<Item = usize> {
 /// The valid normals of one base row inside the footprint, with their areas.
 fn row<'a>(map: &'a NormalMap, footprint: &'a Footprint, y: usize) -> impl Iterator<Item = (DVec3, f64)> + 'a {
     (footprint.columns.start..footprint.columns.end)
-        .filter_map(move |x| Some((map.normal(y * map.width + x)?.as_dvec3(), f64::from(footprint.weight(x, y)))))
+        .filter_map(move |x| Some((map.precise_normal(y * map.width + x)?, f64::from(footprint.weight(x, y)))))
 }

@@ -3,8 +3,6 @@
 //! A GPU comes first, then software Vulkan, then GL: a GPU draws in milliseconds, software Vulkan draws the same
 //! picture slowly, and GL lacks filtering of 32-bit textures on many drivers.
 
-use crate::wgpu;
-
 /// The device that draws, and why it was chosen.
 #[derive(Debug)]
 pub struct Gpu {

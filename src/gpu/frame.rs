@@ -5,7 +5,6 @@
 
 use std::sync::Arc;
 
-use super::context::Gpu;
 use super::passes::compare::{CompareData, ComparePass};
 use super::passes::surface::{FrameData, SurfacePass, Target, index};
 use super::readback::{self, ReadbackError};
@@ -15,7 +14,6 @@ use crate::filter::vmf::{Fold, LobePyramid};
 use crate::filter::{Method, PlainMip};
 use crate::lit_surface::{LevelChoice, LitSurface};
 use crate::normal_map::Addressing;
-use crate::wgpu;
 
 /// Everything a frame shows.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +65,7 @@ pub struct SurfaceFrame {
     drawn: [Option<Key>; 3],
     truth_samples: u32,
     truth_shown: bool,
+    exposure: f32,
 }
 
 /// The pictures: two for the truth, which takes turns reading one and writing the other, then mip and vmf.
@@ -120,6 +119,7 @@ impl SurfaceFrame {
             drawn: [None, None, None],
             truth_samples: 0,
             truth_shown: false,
+            exposure: 1.0,
         }
     }
 
@@ -141,6 +141,7 @@ impl SurfaceFrame {
             .filter(|targets| targets.size == size)
             .unwrap_or_else(|| Targets::new(&self.surface, device, size));
         let (left, right) = shown(input);
+        self.exposure = input.surface.exposure();
         self.truth_shown = [left, right].contains(&Method::Truth);
         if self.truth_shown && self.drawn[index(Method::Truth)].as_ref() != Some(&self.key(Method::Truth, input, size))
         {
@@ -198,14 +199,17 @@ impl SurfaceFrame {
         queue: &wgpu::Queue,
         method: Method,
     ) -> Result<Vec<[f32; 4]>, ReadbackError> {
-        let (Some(targets), Some(key)) = (&self.targets, &self.drawn[index(method)]) else { return Ok(Vec::new()) };
-        let scale = self.scale(method, key.surface.exposure());
+        let Some(targets) = self.targets.as_ref().filter(|_| self.drawn[index(method)].is_some()) else {
+            return Ok(Vec::new());
+        };
+        let scale = self.scale(method);
         let texels = readback::read_rgba32f(device, queue, &targets.of(method).color)?;
         Ok(texels.into_iter().map(|[r, g, b, a]| [scale * r, scale * g, scale * b, a]).collect())
     }
 
     fn key(&self, method: Method, input: &FrameInput<'_>, size: [u32; 2]) -> Key {
-        let mut surface = *input.surface;
+        // Exposure is put on by the comparison.
+        let mut surface = LitSurface { exposure_stops: 0.0, ..*input.surface };
         let mut fold = input.fold;
         if method != Method::Vmf {
             fold = Fold::default();
@@ -276,19 +280,19 @@ impl SurfaceFrame {
         self.budget.truth_batch.min(self.budget.truth_limit.saturating_sub(self.truth_samples))
     }
 
-    fn scale(&self, method: Method, exposure: f32) -> f32 {
+    /// What a picture's texels are multiplied by: exposure, over the samples in the truth's sum.
+    fn scale(&self, method: Method) -> f32 {
         match method {
-            Method::Truth => exposure / self.truth_samples.max(1) as f32,
-            Method::Mip | Method::Vmf => exposure,
+            Method::Truth => self.exposure / self.truth_samples.max(1) as f32,
+            Method::Mip | Method::Vmf => self.exposure,
         }
     }
 
     fn compare_data(&self, input: &FrameInput<'_>, size: [u32; 2]) -> CompareData {
         let (left, right) = shown(input);
-        let exposure = input.surface.exposure();
         CompareData {
-            left_scale: self.scale(left, exposure),
-            right_scale: self.scale(right, exposure),
+            left_scale: self.scale(left),
+            right_scale: self.scale(right),
             wipe: (input.wipe * size[0] as f32).round(),
             divider: if left == right { 0.0 } else { 1.0 },
         }
@@ -304,65 +308,4 @@ fn shown(input: &FrameInput<'_>) -> (Method, Method) {
     } else {
         (input.left, input.right)
     }
-}
-
-/// The format of pictures that are read back.
-pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-
-impl SurfaceFrame {
-    /// Records and submits frames until nothing more is to come: every upload, every sample of the truth.
-    pub fn complete(&mut self, gpu: &Gpu, input: &FrameInput<'_>) -> Result<(), ReadbackError> {
-        loop {
-            let label = wgpu::CommandEncoderDescriptor { label: Some("surface frame") };
-            let mut encoder = gpu.device.create_command_encoder(&label);
-            self.prepare(&gpu.device, &gpu.queue, &mut encoder, input);
-            gpu.queue.submit([encoder.finish()]);
-            // Waiting keeps the copies of a large map from piling up.
-            let waited = gpu.device.poll(wgpu::PollType::wait_indefinitely());
-            waited.map_err(|error| ReadbackError::Device(error.to_string()))?;
-            if !self.wants_more() {
-                return Ok(());
-            }
-        }
-    }
-
-    /// The final picture as last prepared, sRGB, four bytes a pixel. The frame must be for [`PICTURE_FORMAT`].
-    pub fn picture(&self, gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Vec<u8>, ReadbackError> {
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("picture"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: PICTURE_FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let named = wgpu::TextureViewDescriptor { label: Some("picture"), ..Default::default() };
-        let view = texture.create_view(&named);
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("picture"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations::default(),
-            })],
-            ..Default::default()
-        });
-        self.draw(&mut pass);
-        drop(pass);
-        gpu.queue.submit([encoder.finish()]);
-        readback::read_bytes(&gpu.device, &gpu.queue, &texture)
-    }
-}
-
-/// The finished picture of `input`, sRGB, four bytes a pixel, with `truth_samples` samples per pixel where the truth
-/// is shown.
-pub fn render_to_rgba8(gpu: &Gpu, input: &FrameInput<'_>, truth_samples: u32) -> Result<Vec<u8>, ReadbackError> {
-    let mut frame = SurfaceFrame::new(&gpu.device, PICTURE_FORMAT);
-    frame.budget = FrameBudget { truth_limit: truth_samples, truth_batch: 64, upload_bytes: 256 << 20 };
-    frame.complete(gpu, input)?;
-    frame.picture(gpu, input.size)
 }

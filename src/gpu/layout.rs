@@ -2,8 +2,6 @@
 
 use std::borrow::Cow;
 
-use crate::wgpu;
-
 /// sRGB encoding, the twin of `color.rs`.
 pub const SRGB: &str = include_str!("../../shaders/shared/srgb.wgsl");
 /// The von Mises-Fisher lobe, the twin of `sphere/vmf.rs`.

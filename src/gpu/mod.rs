@@ -6,9 +6,11 @@ pub mod context;
 pub mod frame;
 pub mod layout;
 pub mod passes;
+pub mod picture;
 pub mod readback;
 pub mod textures;
 pub mod upload;
 
 pub use context::{AdapterChoice, Gpu, GpuError};
-pub use frame::{FrameInput, SurfaceFrame};
+pub use frame::{FrameBudget, FrameInput, SurfaceFrame};
+pub use picture::{PICTURE_FORMAT, render_to_rgba8};

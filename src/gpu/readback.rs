@@ -1,7 +1,5 @@
 //! Textures back to the processor.
 
-use crate::wgpu;
-
 /// Why a texture could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadbackError {
@@ -39,13 +37,14 @@ pub fn read_bytes(
     Ok(bytes.chunks(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect())
 }
 
-/// The texels of the first level and layer of an `Rgba32Float` texture, row by row.
+/// The floats of the first level and layer of an `Rgba32Float` texture, or of an `Rgba32Uint` one that holds their
+/// bits, row by row.
 pub fn read_rgba32f(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     texture: &wgpu::Texture,
 ) -> Result<Vec<[f32; 4]>, ReadbackError> {
-    if texture.format() != wgpu::TextureFormat::Rgba32Float {
+    if !matches!(texture.format(), wgpu::TextureFormat::Rgba32Float | wgpu::TextureFormat::Rgba32Uint) {
         return Err(ReadbackError::Format(texture.format()));
     }
     Ok(bytemuck::pod_collect_to_vec(&read_bytes(device, queue, texture)?))

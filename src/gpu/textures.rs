@@ -14,7 +14,6 @@ use super::upload::{Source, UploadQueue};
 use crate::filter::PlainMip;
 use crate::filter::vmf::{BaseSlots, LobePyramid, MixtureLevel};
 use crate::normal_map::Addressing;
-use crate::wgpu;
 
 /// Memory set aside for mean normals: just enough for 8192 x 8192 in 32 bits a channel.
 const MEANS_BYTES: u64 = 3 << 29;
@@ -226,10 +225,12 @@ impl MapTextures {
     }
 }
 
-/// The run of complete levels that ends at the top, not finer than `finest`.
+/// The run of complete levels that ends at the coarsest complete one, not finer than `finest`, as
+/// `LobePyramid::shown_levels` has it.
 fn complete_run(complete: &[bool], finest: usize) -> Option<[f32; 2]> {
-    let first = (finest..complete.len()).rev().take_while(|&level| complete[level]).last()?;
-    Some([first as f32, (complete.len() - 1) as f32])
+    let last = complete.iter().rposition(|&level| level)?;
+    let first = (finest..=last).rev().take_while(|&level| complete[level]).last()?;
+    Some([first as f32, last as f32])
 }
 
 /// Layers for `slots`: at least 2 and never a multiple of 6, because GL takes such an array for a cube map.
@@ -344,10 +345,11 @@ mod tests {
     }
 
     #[test]
-    fn the_levels_shown_are_the_complete_run_below_the_top() {
+    fn the_levels_shown_are_the_run_up_to_the_coarsest_complete_one() {
         assert_eq!(complete_run(&[true, false, true, true], 0), Some([2.0, 3.0]));
         assert_eq!(complete_run(&[true, true], 0), Some([0.0, 1.0]));
         assert_eq!(complete_run(&[true, true], 1), Some([1.0, 1.0]));
-        assert_eq!(complete_run(&[true, false], 0), None);
+        assert_eq!(complete_run(&[false, true, false], 1), Some([1.0, 1.0]));
+        assert_eq!(complete_run(&[false, false], 0), None);
     }
 }

@@ -7,7 +7,6 @@ use half::f16;
 
 use crate::filter::PlainMip;
 use crate::filter::vmf::{BaseSlots, MixtureLevel};
-use crate::wgpu;
 
 /// Where the texels come from, and what is complete once they are there.
 #[derive(Clone, Debug)]

@@ -8,6 +8,7 @@ const READABLE: &str = "PNG, TGA, BMP, TIFF, JPEG, WebP, Radiance HDR and OpenEX
 
 /// Why an image could not be read. `name` is the file as the user gave it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "each field stands in the message")]
 pub enum ReadImageError {
     /// There is no such file.
     #[error("'{name}' does not exist")]
@@ -71,6 +72,7 @@ impl ReadImageError {
 
 /// Why a file could not be written. The old file, where there was one, is whole and unchanged.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "each field stands in the message")]
 pub enum WriteImageError {
     /// The folder to write into does not exist.
     #[error("'{name}' cannot be written: its folder does not exist")]

@@ -27,6 +27,7 @@ const GREY_SHARE: f64 = 0.999;
 
 /// Why an image is no normal map. `name` is the file's or the bundled map's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "each field stands in the message")]
 pub enum DecodeError {
     /// All channels are equal, as in a height map.
     #[error("'{name}' is greyscale and holds no normals; if it is a height map, add --height SCALE")]
@@ -102,6 +103,7 @@ impl NormalMap {
             source,
             stored: Arc::new(image),
             warnings: Vec::new(),
+            decoder: None,
         }
     }
 
@@ -163,6 +165,7 @@ pub(super) fn from_known_normals(image: RasterImage, source: MapSource, options:
     map.warnings.extend(decoder.range.warning());
     let stored = Arc::clone(&map.stored);
     map.fill(|texel| decoder.decode(&stored, texel));
+    map.decoder = Some(decoder);
     map
 }
 
@@ -195,8 +198,9 @@ impl Range {
     }
 }
 
-/// The conventions of one file.
-struct Decoder {
+/// The conventions of one file, by which any stored texel can be decoded again in f64.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decoder {
     range: Range,
     two_channel: bool,
     y_sign: f64,
@@ -211,6 +215,11 @@ impl Decoder {
             two_channel,
             y_sign: if options.green == GreenChannel::Down { -1.0 } else { 1.0 },
         }
+    }
+
+    /// The unit normal of a stored texel in f64, or `None` where it is invalid.
+    pub fn normal(&self, image: &RasterImage, texel: usize) -> Option<DVec3> {
+        self.decode(image, texel).map(|(normal, _)| normal)
     }
 
     /// The unit normal of a texel and the length it was decoded with, or `None` where it is invalid.

@@ -12,7 +12,7 @@ pub mod pyramid;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::image_io::RasterImage;
 pub use decode::{DecodeError, OpenError};
@@ -87,6 +87,8 @@ pub struct NormalMap {
     pub stored: Arc<RasterImage>,
     /// What was odd about the file.
     pub warnings: Vec<Warning>,
+    /// How a stored texel is decoded again in f64; `None` where the normals come from heights.
+    pub decoder: Option<decode::Decoder>,
 }
 
 impl std::fmt::Display for MapSource {
@@ -113,6 +115,14 @@ impl NormalMap {
     pub fn normal(&self, index: usize) -> Option<Vec3> {
         let normal = Vec3::new(self.x[index], self.y[index], self.z[index]);
         (normal != Vec3::ZERO).then_some(normal)
+    }
+
+    /// The unit normal in f64, decoded anew from the stored texel: the truth asks for more than f32 keeps.
+    pub fn precise_normal(&self, index: usize) -> Option<DVec3> {
+        match &self.decoder {
+            Some(decoder) => decoder.normal(&self.stored, index),
+            None => self.normal(index).map(|normal| normal.as_dvec3()),
+        }
     }
 
     /// The name to show: the file's, or the bundled map's.

@@ -1,7 +1,6 @@
 //! Puts one or two pictures of the surface beside each other at a wipe, exposes them, and encodes sRGB, once.
 
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer};
-use crate::wgpu;
 
 /// The shader's parts, in order.
 pub const SHADER: [&str; 2] = [layout::SRGB, include_str!("../../../shaders/compare.wgsl")];
@@ -32,7 +31,7 @@ pub struct ComparePass {
 impl ComparePass {
     /// Compiles the pipeline for targets of `format`, which must not encode sRGB itself.
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
-        let picture = texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
+        let picture = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
         let types = [layout::UNIFORM, picture, picture];
         let layout = bind_group_layout(device, "compare", wgpu::ShaderStages::FRAGMENT, &types);
         let pipeline = pipeline(device, &layout, format);

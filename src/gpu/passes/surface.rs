@@ -9,10 +9,10 @@ use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_b
 use crate::gpu::textures::MapTextures;
 use crate::lit_surface::{LevelChoice, LitSurface};
 use crate::scene::{ShapeKind, Vertex};
-use crate::wgpu;
 
-/// The format of the pictures: sums of many samples need 32 bits.
-pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+/// The format of the pictures: 32-bit floats, which sums of many samples need, bit for bit in unsigned integers, which
+/// every adapter can draw to.
+pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shader's parts, in order.
@@ -153,7 +153,7 @@ impl SurfacePass {
     pub fn new(device: &wgpu::Device, map: &wgpu::BindGroupLayout) -> Self {
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM]);
-        let sum_type = texture(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
+        let sum_type = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
         let sum_layout = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[sum_type]);
         let shader = layout::shader(device, "surface", &SHADER);
         let pipelines = Method::ALL.map(|method| {

@@ -1,7 +1,6 @@
 //! The choice of the adapter, and reading back.
 
 use ndf_inspector::gpu::{context, readback};
-use ndf_inspector::wgpu;
 
 use super::gpu;
 

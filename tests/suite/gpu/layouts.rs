@@ -4,7 +4,7 @@ use std::mem::offset_of;
 
 use ndf_inspector::gpu::passes::compare::{self, CompareData};
 use ndf_inspector::gpu::passes::surface::{self, FrameData};
-use ndf_inspector::wgpu::naga;
+use wgpu::naga;
 
 fn parse(parts: &[&str]) -> naga::Module {
     let source = parts.concat();

@@ -16,7 +16,7 @@ pub fn map(
     normal: impl Fn(usize, usize) -> Vec3,
 ) -> Arc<NormalMap> {
     let normals: Vec<Vec3> = (0..width * height).map(|i| normal(i % width, i / width).normalize_or_zero()).collect();
-    let samples = Samples::F32(normals.iter().flat_map(|n| n.to_array()).collect());
+    let samples = Samples::F32(normals.iter().flat_map(Vec3::to_array).collect());
     let depth = SampleDepth::Float;
     let stored = RasterImage { width, height, channels: 3, has_alpha: false, samples, depth, format: "none" };
     Arc::new(NormalMap {
@@ -30,6 +30,7 @@ pub fn map(
         source: MapSource::Bundled("test"),
         stored: Arc::new(stored),
         warnings: Vec::new(),
+        decoder: None,
     })
 }
 
@@ -73,10 +74,10 @@ pub fn mixtures(map: &Arc<NormalMap>, lobes: usize) -> LobePyramid {
                 .map(|slot| if slot > 0 && seed(0, slot) < 0.2 { 0.0 } else { 0.1 + seed(1, slot) })
                 .collect();
             let total: f32 = weights.iter().sum();
-            for slot in 0..lobes {
+            for (slot, weight) in weights.iter().enumerate() {
                 let (tilt, turn) = (0.7 * seed(2, slot), slot as f32 + 0.5 * seed(3, slot));
                 let lobe = Lobe {
-                    weight: f64::from(weights[slot] / total),
+                    weight: f64::from(weight / total),
                     mean_direction: DVec3::new(f64::from(tilt * turn.cos()), f64::from(tilt * turn.sin()), 1.0)
                         .normalize(),
                     concentration: 10.0_f64.powf(f64::from(6.0 * seed(4, slot) - 1.0)),

@@ -1,8 +1,9 @@
 //! What the graphics adapter draws, held against the processor's twins.
 
 mod context;
+mod frames;
 mod layouts;
-mod maps;
+pub mod maps;
 mod twins;
 
 use std::sync::{Arc, OnceLock};

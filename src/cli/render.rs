@@ -1,0 +1,203 @@
+//! `render`: the lit surface alone, without a window; and the options that every picture takes.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use clap::{Args, ValueEnum};
+
+use super::options::{FitArguments, MapArguments, wait_for_fit};
+use crate::brdf::Brdf;
+use crate::filter::{Method, MethodChoice};
+use crate::gpu::context::Gpu;
+use crate::gpu::{FrameInput, render_to_rgba8};
+use crate::image_io::write_png_rgba8;
+use crate::lit_surface::LevelChoice;
+use crate::normal_map::procedural;
+use crate::scene::{Camera, ShapeKind};
+use crate::session::file::SessionFile;
+use crate::session::{Session, opening};
+
+/// The lit surface alone, without a window.
+#[derive(Args, Debug)]
+pub struct RenderCommand {
+    /// What the picture shows.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The PNG to write, - for standard output.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Pixels across and down.
+    #[arg(long, value_name = "WxH", default_value = "960x600")]
+    pub size: PictureSize,
+}
+
+/// What a picture shows: a session file, and flags over it.
+#[derive(Args, Clone, Debug)]
+pub struct SceneArguments {
+    /// The normal map, or a bundled one by name; without it the session's, or the bundled sample.
+    pub map: Option<PathBuf>,
+    /// How the map is read.
+    #[command(flatten)]
+    pub map_arguments: MapArguments,
+    /// How it is fitted.
+    #[command(flatten)]
+    pub fit: FitArguments,
+    /// A session file to start from.
+    #[arg(long, value_name = "FILE")]
+    pub session: Option<PathBuf>,
+    /// One method over the whole picture: truth, mip, vmf or vmf:J.
+    #[arg(long, value_name = "METHOD", conflicts_with_all = ["left", "right"])]
+    pub method: Option<MethodChoice>,
+    /// The method left of the wipe.
+    #[arg(long, value_name = "METHOD")]
+    pub left: Option<MethodChoice>,
+    /// The method right of the wipe.
+    #[arg(long, value_name = "METHOD")]
+    pub right: Option<MethodChoice>,
+    /// Where the wipe stands, from 0 (left edge) to 1.
+    #[arg(long, value_name = "FRACTION")]
+    pub wipe: Option<f32>,
+    /// The material's BRDF: lambert or blinn-phong:S.
+    #[arg(long, value_name = "BRDF")]
+    pub brdf: Option<Brdf>,
+    /// The surface.
+    #[arg(long, value_enum)]
+    pub shape: Option<ShapeArgument>,
+    /// Repeats of the map along each side of the surface.
+    #[arg(long, value_name = "N")]
+    pub tiling: Option<f32>,
+    /// From the eye to the surface's centre.
+    #[arg(long, value_name = "D")]
+    pub distance: Option<f32>,
+    /// The MIP level that every pixel reads; without it, the one that fits the pixel.
+    #[arg(long, value_name = "LEVEL")]
+    pub level: Option<f32>,
+    /// Samples per pixel of the truth.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub samples: Option<u32>,
+}
+
+/// The surface by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ShapeArgument {
+    /// A square.
+    Plane,
+    /// A sphere.
+    Sphere,
+    /// A torus.
+    Torus,
+}
+
+/// Pixels across and down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureSize(pub [u32; 2]);
+
+/// Why a picture's size could not be read.
+#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+#[error("'{0}' is not a size: write WIDTHxHEIGHT from 16x16 to 8192x8192, for example 1280x800")]
+pub struct ParseSizeError(String);
+
+impl FromStr for PictureSize {
+    type Err = ParseSizeError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parse = |side: &str| side.parse().ok().filter(|side| (16..=8192).contains(side));
+        text.split_once('x')
+            .and_then(|(width, height)| Some(Self([parse(width)?, parse(height)?])))
+            .ok_or_else(|| ParseSizeError(text.to_owned()))
+    }
+}
+
+impl SceneArguments {
+    /// A session of the map, with every setting in place and no fit started.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn session(&self) -> anyhow::Result<Session> {
+        let mut file = match &self.session {
+            Some(path) => SessionFile::read(path)?,
+            None => SessionFile::default(),
+        };
+        let request = match &self.map {
+            Some(path) => Some(self.map_arguments.request(path, file.map_options.clone())),
+            None => {
+                file.map_options = self.map_arguments.over(file.map_options);
+                file.map_request()
+            }
+        };
+        let map = match request {
+            Some(request) => opening::read(&request).map_err(anyhow::Error::msg)?,
+            None => procedural::default_map(),
+        };
+        self.apply_to(&mut file);
+        let mut session = Session::with_map(map, Arc::new(|| {}));
+        session.set_threads(self.fit.threads());
+        session.apply(&file);
+        Ok(session)
+    }
+
+    fn apply_to(&self, file: &mut SessionFile) {
+        file.fit = self.fit.over(file.fit);
+        let comparison = &mut file.comparison;
+        let chosen = [self.left, self.right, self.method];
+        file.fit.lobes = chosen.into_iter().flatten().find_map(|choice| choice.lobes).unwrap_or(file.fit.lobes);
+        comparison.left = self.left.map_or(comparison.left, |choice| choice.method);
+        comparison.right = self.right.map_or(comparison.right, |choice| choice.method);
+        comparison.wipe = self.wipe.unwrap_or(comparison.wipe).clamp(0.0, 1.0);
+        if let Some(choice) = self.method {
+            (comparison.right, comparison.wipe) = (choice.method, 0.0);
+        }
+        file.truth_samples = self.samples.or(file.truth_samples);
+        let surface = &mut file.surface;
+        surface.material.shininess = self.brdf.map_or(surface.material.shininess, |brdf| brdf.exponent() as f32);
+        if self.brdf == Some(Brdf::Lambert) {
+            surface.material.specular = 0.0;
+        }
+        surface.shape.kind = self.shape.map_or(surface.shape.kind, ShapeArgument::kind);
+        surface.shape.tiling = self.tiling.map_or(surface.shape.tiling, |tiling| [tiling; 2]);
+        let distance = self.distance.unwrap_or(surface.camera.distance);
+        surface.camera.distance = distance.clamp(Camera::MIN_DISTANCE, Camera::MAX_DISTANCE);
+        surface.level = self.level.map_or(surface.level, LevelChoice::Fixed);
+    }
+}
+
+impl ShapeArgument {
+    fn kind(self) -> ShapeKind {
+        match self {
+            Self::Plane => ShapeKind::Plane,
+            Self::Sphere => ShapeKind::Sphere,
+            Self::Torus => ShapeKind::Torus,
+        }
+    }
+}
+
+impl RenderCommand {
+    /// Carries the command out.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn run(self) -> anyhow::Result<()> {
+        let mut session = self.scene.session()?;
+        let gpu = Gpu::headless()?;
+        let comparison = session.comparison;
+        let shown = [(comparison.wipe > 0.0, comparison.left), (comparison.wipe < 1.0, comparison.right)];
+        if shown.contains(&(true, Method::Vmf)) {
+            session.refit();
+            wait_for_fit(&mut session)?;
+        }
+        let PictureSize(size) = self.size;
+        let input = FrameInput {
+            surface: &session.surface,
+            mip: session.mip(),
+            lobes: session.lobes(),
+            fold: session.fitting().fold(),
+            left: comparison.left,
+            right: comparison.right,
+            wipe: comparison.wipe,
+            size,
+        };
+        let picture = render_to_rgba8(&gpu, &input, session.truth_samples)?;
+        Ok(write_png_rgba8(&self.output, size[0] as usize, size[1] as usize, &picture)?)
+    }
+}

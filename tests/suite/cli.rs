@@ -1,0 +1,254 @@
+//! The command line as others script against it.
+
+use std::path::Path;
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// Runs the program in an empty folder.
+fn run(folder: &TempDir, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_ndf-inspector"))
+        .args(arguments)
+        .current_dir(folder.path())
+        .output()
+        .expect("the program starts")
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+/// Writes a bundled map of 64 x 64 texels as `NAME.png`.
+fn sample(folder: &TempDir, name: &str) {
+    let file = format!("{name}.png");
+    assert!(run(folder, &["sample", name, "-o", &file, "--size", "64"]).status.success());
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON on standard output")
+}
+
+/// One line on standard error that names the file, exit status 1, within seconds even where tests share the cores.
+fn assert_refused(output: &Output, names: &str) {
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    assert_eq!(error.trim_end().lines().count(), 1, "{error}");
+    assert!(error.contains(names) && !error.contains("panicked"), "{error}");
+}
+
+#[test]
+fn fit_prints_the_agreed_json() {
+    let folder = folder();
+    let report = json(&run(
+        &folder,
+        &["fit", "bricks", "-J", "3", "--align", "none", "--texel", "9,0,0", "--texel", "0,5,7", "--json", "-"],
+    ));
+    assert_eq!(report["schema"], 1);
+    assert_eq!(report["map"]["width"], 512);
+    assert_eq!(report["map"]["levels"], 10);
+    assert_eq!(report["settings"]["lobes"], 3);
+    assert_eq!(report["settings"]["align"], "none");
+    assert_eq!(report["settings"]["kappa"], "exact");
+    assert_eq!(report["levels"].as_array().map(Vec::len), Some(9), "every level that is fitted");
+    let top = &report["texels"][0];
+    assert_eq!((&top["level"], &top["samples"]), (&Value::from(9), &Value::from(512 * 512)));
+    let lobes = top["lobes"].as_array().expect("lobes");
+    let alpha: f64 = lobes.iter().filter_map(|lobe| lobe["alpha"].as_f64()).sum();
+    assert!(lobes.len() <= 3 && (alpha - 1.0).abs() < 1e-5);
+    let base = report["texels"][1]["lobes"].as_array().expect("lobes");
+    assert!(base.len() == 1 && (base[0]["alpha"].as_f64().expect("alpha") - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn probe_of_vmf_is_the_formula_on_the_lobes_that_fit_prints() {
+    let folder = folder();
+    sample(&folder, "scales");
+    let fit = json(&run(&folder, &["fit", "scales.png", "-J", "4", "--texel", "5,3,2", "--json", "-"]));
+    let probe = json(&run(
+        &folder,
+        &[
+            "probe",
+            "scales.png",
+            "--method",
+            "vmf:4",
+            "--brdf",
+            "blinn-phong:40",
+            "--texel",
+            "5,3,2",
+            "--omega",
+            "0.2,-0.1,1",
+            "--json",
+            "-",
+        ],
+    ));
+    let omega = glam::DVec3::new(0.2, -0.1, 1.0).normalize();
+    let value: f64 = fit["texels"][0]["lobes"]
+        .as_array()
+        .expect("lobes")
+        .iter()
+        .map(|lobe| {
+            let number = |value: &Value| value.as_f64().expect("a number");
+            let kappa = number(&lobe["kappa"]);
+            let mu = glam::DVec3::new(number(&lobe["mu"][0]), number(&lobe["mu"][1]), number(&lobe["mu"][2]));
+            let exponent = (kappa * 41.0 / (kappa + 41.0) - 1.0).max(0.0);
+            number(&lobe["alpha"]) * (exponent + 1.0) / std::f64::consts::TAU * mu.dot(omega).max(0.0).powf(exponent)
+        })
+        .sum();
+    let probed = probe["texels"][0]["values"][0].as_f64().expect("a value");
+    assert!((probed / value - 1.0).abs() < 1e-9, "{probed} against {value}");
+    assert_eq!(probe["method"], "vmf:4");
+}
+
+#[test]
+fn every_method_of_a_base_texel_and_of_a_flat_map_is_the_unfiltered_shading() {
+    let folder = folder();
+    let values = |map: &str, texel: &str, method: &str| -> Vec<f64> {
+        let report = json(&run(
+            &folder,
+            &[
+                "probe",
+                map,
+                "--method",
+                method,
+                "--brdf",
+                "blinn-phong:400",
+                "--texel",
+                texel,
+                "--omega",
+                "0,0,1",
+                "--omega",
+                "0.03,0.02,1",
+                "--json",
+                "-",
+            ],
+        ));
+        serde_json::from_value(report["texels"][0]["values"].clone()).expect("values")
+    };
+    image::RgbImage::from_pixel(24, 10, image::Rgb([140, 120, 250]))
+        .save(folder.path().join("flat.png"))
+        .expect("saved");
+    sample(&folder, "waves");
+    for (map, texel) in [("waves.png", "0,50,31"), ("flat.png", "2,1,1"), ("flat.png", "4,0,0"), ("flat.png", "0,3,3")]
+    {
+        let truth = values(map, texel, "truth");
+        for method in ["mip", "vmf:6"] {
+            for (value, exact) in values(map, texel, method).iter().zip(&truth) {
+                // A stored delta is as sharp as f32 resolves, kappa 1e7: 4e-5 of s = 400 and of the value.
+                assert!(
+                    (value - exact).abs() < 1e-3 * exact.max(1.0),
+                    "{map} {texel} {method}: {value} against {exact}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sample_opens_as_the_bundled_map_of_that_name() {
+    let folder = folder();
+    assert!(run(&folder, &["sample", "bricks", "-o", "b.png", "--size", "64"]).status.success());
+    assert!(folder.path().join("b.png").exists());
+    let listed = run(&folder, &["sample", "--list"]);
+    assert!(String::from_utf8_lossy(&listed.stdout).lines().count() >= 6);
+    let report = json(&run(&folder, &["fit", "b.png", "-J", "1", "--json", "-"]));
+    assert_eq!(report["map"]["width"], 64);
+}
+
+#[test]
+fn bad_input_gets_one_sentence_that_names_it_and_exit_status_1() {
+    let folder = folder();
+    let file = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).expect("written");
+    file("empty.png", b"");
+    file("text.png", b"this is no picture");
+    std::fs::create_dir(folder.path().join("folder.png")).expect("made");
+    image::GrayImage::from_fn(8, 8, |x, y| image::Luma([(x * y) as u8 + 1]))
+        .save(folder.path().join("grey.png"))
+        .expect("saved");
+    image::RgbImage::new(8, 8).save(folder.path().join("black.png")).expect("saved");
+    for name in ["missing.png", "empty.png", "text.png", "folder.png", "grey.png", "black.png"] {
+        let start = Instant::now();
+        assert_refused(&run(&folder, &["fit", name]), name);
+        assert!(start.elapsed() < Duration::from_secs(20), "{name} took {:?}", start.elapsed());
+    }
+    assert!(String::from_utf8_lossy(&run(&folder, &["fit", "grey.png"]).stderr).contains("--height"));
+    assert_refused(&run(&folder, &["fit", "bricks", "--texel", "3,999,0"]), "3,999,0");
+    assert_refused(&run(&folder, &["sample", "nothing", "-o", "n.png"]), "nothing");
+    assert_refused(&run(&folder, &["render", "--session", "text.png", "-o", "r.png"]), "text.png");
+}
+
+#[test]
+fn wrong_usage_ends_with_exit_status_2() {
+    let folder = folder();
+    let wrong: [&[&str]; 5] = [
+        &["fit"],
+        &["fit", "bricks", "-J", "17"],
+        &["fit", "bricks", "--align", "sideways"],
+        &["probe", "bricks", "--method", "magic", "--texel", "1,0,0", "--omega", "0,0,1"],
+        &["fit", "bricks", "--texel", "1,2"],
+    ];
+    for arguments in wrong {
+        assert_eq!(run(&folder, arguments).status.code(), Some(2), "{arguments:?}");
+    }
+}
+
+#[test]
+fn an_unwritable_target_leaves_the_old_file_whole() {
+    let folder = folder();
+    let target = folder.path().join("taken.json");
+    std::fs::create_dir(&target).expect("made");
+    let output = run(&folder, &["fit", "v-groove", "-J", "1", "--json", "taken.json"]);
+    assert_refused(&output, "taken.json");
+    assert!(Path::new(&target).is_dir());
+}
+
+#[test]
+fn render_gives_the_same_bytes_twice_and_a_picture_that_is_not_flat() {
+    let folder = folder();
+    sample(&folder, "waves");
+    for name in ["a.png", "b.png"] {
+        let arguments = [
+            "render",
+            "waves.png",
+            "--size",
+            "96x64",
+            "--samples",
+            "64",
+            "--left",
+            "truth",
+            "--right",
+            "vmf:2",
+            "-o",
+            name,
+        ];
+        let output = run(&folder, &arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let bytes = |name: &str| std::fs::read(folder.path().join(name)).expect("written");
+    assert_eq!(bytes("a.png"), bytes("b.png"));
+    let picture = image::open(folder.path().join("a.png")).expect("a picture").to_rgb8();
+    let (least, most) = picture.pixels().fold((255, 0), |(l, m), p| (p[1].min(l), p[1].max(m)));
+    assert!(most > 120 && least < 60, "green runs from {least} to {most}");
+}
+
+#[test]
+fn a_session_file_is_obeyed_and_flags_go_over_it() {
+    let folder = folder();
+    std::fs::create_dir(folder.path().join("maps")).expect("made");
+    assert!(run(&folder, &["sample", "v-groove", "-o", "maps/groove.png", "--size", "32"]).status.success());
+    let session =
+        r#"{"map": {"path": "groove.png"}, "fit": {"lobes": 2}, "surface": {"shape": {"kind": "torus"}}, "later": 1}"#;
+    std::fs::write(folder.path().join("maps/s.ndfi.json"), session).expect("written");
+    let render = |name: &str, more: &[&str]| {
+        let mut arguments =
+            vec!["render", "--session", "maps/s.ndfi.json", "--size", "64x48", "--samples", "16", "-o", name];
+        arguments.extend(more);
+        let output = run(&folder, &arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        std::fs::read(folder.path().join(name)).expect("written")
+    };
+    assert_eq!(render("a.png", &[]), render("b.png", &["--shape", "torus"]));
+    assert_ne!(render("a.png", &[]), render("c.png", &["--shape", "sphere"]));
+}

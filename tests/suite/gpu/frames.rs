@@ -1,0 +1,158 @@
+//! What a frame does from one to the next: uploads in slices, a truth that grows, and no work without a change.
+
+use glam::Vec3;
+use ndf_inspector::color::srgb8_from_linear;
+use ndf_inspector::filter::Method;
+use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame, render_to_rgba8};
+use ndf_inspector::normal_map::Addressing;
+
+use super::{Scene, gpu, maps};
+
+fn frame(truth_limit: u32, truth_batch: u32) -> SurfaceFrame {
+    let mut frame = SurfaceFrame::new(&gpu().device, PICTURE_FORMAT);
+    frame.budget = FrameBudget { truth_limit, truth_batch, upload_bytes: 1 << 30 };
+    frame
+}
+
+/// One frame, as the window records it.
+fn step(frame: &mut SurfaceFrame, input: &FrameInput<'_>) {
+    let label = wgpu::CommandEncoderDescriptor { label: Some("test frame") };
+    let mut encoder = gpu().device.create_command_encoder(&label);
+    frame.prepare(&gpu().device, &gpu().queue, &mut encoder, input);
+    gpu().queue.submit([encoder.finish()]);
+}
+
+fn linear(frame: &SurfaceFrame, method: Method) -> Vec<[f32; 4]> {
+    frame.linear(&gpu().device, &gpu().queue, method).expect("readable")
+}
+
+#[test]
+fn the_truth_of_two_frames_of_32_samples_is_that_of_one_of_64() {
+    let scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 2);
+    let picture = |batch| {
+        let mut frame = frame(64, batch);
+        frame.complete(gpu(), &scene.input(Method::Truth)).expect("the device works");
+        assert_eq!(frame.truth_samples(), 64);
+        linear(&frame, Method::Truth)
+    };
+    assert_eq!(picture(32), picture(64));
+}
+
+#[test]
+fn the_truth_starts_again_for_another_light_but_not_for_another_fit_exposure_or_wipe() {
+    let mut scene = Scene::new(maps::rough(16, 16, Addressing::Wrap), 2);
+    let mut frame = frame(1024, 16);
+    let both = |scene: &Scene, frame: &mut SurfaceFrame, wipe| {
+        step(frame, &FrameInput { right: Method::Vmf, wipe, ..scene.input(Method::Truth) });
+    };
+    both(&scene, &mut frame, 0.5);
+    both(&scene, &mut frame, 0.7);
+    assert_eq!(frame.truth_samples(), 32);
+    scene.lobes = maps::mixtures(scene.map(), 4);
+    both(&scene, &mut frame, 0.5);
+    scene.surface.exposure_stops = 1.0;
+    both(&scene, &mut frame, 0.5);
+    assert_eq!(frame.truth_samples(), 64);
+    scene.surface.light.azimuth_deg += 1.0;
+    both(&scene, &mut frame, 0.5);
+    assert_eq!(frame.truth_samples(), 16);
+    let other = Scene::new(maps::rough(16, 16, Addressing::Clamp), 2);
+    both(&Scene { surface: scene.surface, ..other }, &mut frame, 0.5);
+    assert_eq!(frame.truth_samples(), 16, "another map");
+}
+
+#[test]
+fn a_finished_frame_wants_no_more() {
+    let scene = Scene::new(maps::rough(16, 16, Addressing::Wrap), 2);
+    let mut frame = frame(40, 16);
+    let input = scene.input(Method::Truth);
+    for expected in [16, 32, 40, 40] {
+        step(&mut frame, &input);
+        assert_eq!(frame.truth_samples(), expected);
+        assert_eq!(frame.wants_more(), expected < 40);
+    }
+}
+
+#[test]
+fn uploads_in_slices_end_in_the_picture_of_one_upload_and_show_coarse_levels_meanwhile() {
+    let scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 5);
+    let input = scene.input(Method::Vmf);
+    let (mut whole, mut sliced) = (frame(16, 16), frame(16, 16));
+    whole.complete(gpu(), &input).expect("the device works");
+    sliced.budget.upload_bytes = 5000;
+    let (mut frames, mut ranges) = (0, Vec::new());
+    while frames == 0 || sliced.wants_more() {
+        step(&mut sliced, &input);
+        ranges.extend(sliced.lod_range(Method::Vmf));
+        frames += 1;
+    }
+    assert!(frames > 20, "{frames} frames");
+    assert!(ranges.windows(2).all(|pair| pair[1][0] <= pair[0][0]), "finer and finer: {ranges:?}");
+    assert_eq!(ranges.last(), Some(&[0.0, 6.0]));
+    assert_eq!(linear(&sliced, Method::Vmf), linear(&whole, Method::Vmf));
+}
+
+#[test]
+fn levels_that_are_not_fitted_are_not_read() {
+    let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 5);
+    scene.lobes.coarse[0] = None;
+    scene.lobes.coarse[1] = None;
+    let mut frame = frame(16, 16);
+    step(&mut frame, &scene.input(Method::Vmf));
+    assert_eq!(frame.lod_range(Method::Vmf), Some([3.0, 6.0]));
+    assert!(linear(&frame, Method::Vmf).iter().any(|texel| texel[0] > 0.1));
+    scene.lobes.coarse.fill(None);
+    step(&mut frame, &scene.input(Method::Vmf));
+    assert_eq!(frame.lod_range(Method::Vmf), None);
+    assert!(linear(&frame, Method::Vmf).iter().all(|texel| *texel == [0.0; 4]), "nothing is fitted, nothing is drawn");
+}
+
+#[test]
+fn a_bump_lit_from_the_top_left_is_bright_at_its_top_left() {
+    let mut scene = Scene::new(maps::bump(), 1);
+    scene.surface.camera.elevation_deg = 89.9;
+    scene.surface.shape.tiling = [1.0, 1.0];
+    scene.surface.light.azimuth_deg = 135.0;
+    for method in [Method::Truth, Method::Mip] {
+        let mut frame = frame(16, 16);
+        step(&mut frame, &scene.input(method));
+        let picture = linear(&frame, method);
+        let at = |x: usize, y: usize| Vec3::from_slice(&picture[y * 192 + x][..3]).element_sum();
+        assert!(at(84, 60) > 3.0 * at(108, 84), "{method}: {} and {}", at(84, 60), at(108, 84));
+        assert!(at(96, 72) > at(108, 84));
+    }
+}
+
+#[test]
+fn the_wipe_shows_the_left_method_on_its_left_and_the_right_one_on_its_right() {
+    let scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 4);
+    let picture = |left, right, wipe| {
+        let input = FrameInput { left, right, wipe, ..scene.input(left) };
+        render_to_rgba8(gpu(), &input, 16).expect("readable")
+    };
+    let (mip, vmf) = (picture(Method::Mip, Method::Mip, 0.5), picture(Method::Vmf, Method::Mip, 1.0));
+    assert_ne!(mip, vmf);
+    let both = picture(Method::Mip, Method::Vmf, 0.5);
+    for (i, pixel) in both.chunks(4).enumerate() {
+        let expected = match i % 192 {
+            95 | 96 => &[231, 231, 231, 255][..],
+            x if x < 95 => &mip[4 * i..4 * i + 4],
+            _ => &vmf[4 * i..4 * i + 4],
+        };
+        assert_eq!(pixel, expected, "pixel {i}");
+    }
+}
+
+#[test]
+fn the_picture_is_exposed_and_encoded_once() {
+    let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 4);
+    scene.surface.exposure_stops = 0.7;
+    let mut frame = frame(1, 1);
+    step(&mut frame, &scene.input(Method::Mip));
+    let linear = linear(&frame, Method::Mip);
+    let bytes = render_to_rgba8(gpu(), &scene.input(Method::Mip), 1).expect("readable");
+    for (i, pixel) in bytes.chunks(4).enumerate().filter(|(i, _)| linear[*i][3] > 0.5) {
+        let expected = srgb8_from_linear(Vec3::from_slice(&linear[i][..3]));
+        assert!((0..3).all(|c| pixel[c].abs_diff(expected[c]) <= 1), "{pixel:?} against {expected:?}");
+    }
+}
