@@ -13,7 +13,6 @@ use crate::gpu::readback::{self, ReadbackError};
 use crate::gpu::Gpu;
 use crate::jobs::Wake;
 use crate::session::Session;
-use crate::wgpu;
 
 /// How a picture of the window is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,7 +17,6 @@ use crate::lit_surface::LitSurface;
 use crate::scene::SphereOrbit;
 use crate::session::{Comparison, Session};
 use crate::sphere::Lobe;
-use crate::wgpu;
 
 use super::texel_report::TexelData;
 

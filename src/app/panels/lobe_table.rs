@@ -32,7 +32,7 @@ pub fn show(ui: &mut Ui, fit: &TexelFit) {
         for (index, (heading, meaning)) in COLUMNS.iter().enumerate() {
             let cell = cell(rect, index);
             ui.painter().text(cell.right_center(), Align2::RIGHT_CENTER, heading, FontId::proportional(11.0), theme::WEAK);
-            ui.interact(cell, ui.id().with(*heading), Sense::hover()).on_hover_text(*meaning);
+            ui.interact(cell, ui.scope_id().with(*heading), Sense::hover()).on_hover_text(*meaning);
         }
     });
     for (slot, lobe) in &fit.mixture.lobes {
