@@ -15,7 +15,7 @@ use crate::sphere::mixture::MAX_LOBES;
 pub const SHADER: [&str; 1] = [include_str!("../../../shaders/sphere.wgsl")];
 
 /// The sphere's diameter over the shorter side of its view; the rest is for pins and labels.
-pub const FILL: f64 = 0.84;
+pub const FILL: f64 = 0.83;
 
 /// Decades below the peak that the logarithmic scale covers.
 pub const LOG_DECADES: f32 = 4.0;
@@ -187,7 +187,7 @@ impl SpherePass {
 /// Radius of a dot in points: its area reads as the weight, within what stays visible and apart; many are small.
 fn point_instances(points: &[(DVec3, f64)]) -> Vec<[f32; 4]> {
     let mean = 1.0 / points.len().max(1) as f64;
-    let typical = (40.0 * mean.sqrt()).clamp(0.5, 1.8);
+    let typical = (30.0 * mean.sqrt()).clamp(0.4, 1.8);
     let instance = |&(direction, weight): &(DVec3, f64)| {
         let radius = (typical * (weight / mean).sqrt()).clamp(0.4, 3.0);
         direction.extend(radius).as_vec4().to_array()

@@ -85,5 +85,8 @@ fn the_sphere_shader_is_valid_and_lays_out_its_structures_as_rust_does() {
         lobes,
     });
     assert_eq!(layout(&module, "Sphere"), rust);
-    assert_eq!(layout(&module, "LobeMark"), rust_layout!(gpu_data::LobeMark { mu_in_view, ring_cosine, color, weight }));
+    assert_eq!(
+        layout(&module, "LobeMark"),
+        rust_layout!(gpu_data::LobeMark { mu_in_view, ring_cosine, color, weight })
+    );
 }

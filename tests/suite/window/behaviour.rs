@@ -131,9 +131,7 @@ fn the_wipe_follows_its_handle_and_a_double_click_brings_it_back() {
     drag(&mut window, handle, vec2(-120.0, 0.0), PointerButton::Primary);
     assert!(window.state().inspector.session.comparison.wipe < 0.4);
     let handle = window.get_by_label("Wipe handle").rect().center();
-    for _ in 0..2 {
-        click(&mut window, handle, PointerButton::Primary);
-    }
+    double_click(&mut window, handle);
     assert!((window.state().inspector.session.comparison.wipe - 0.5).abs() < 1e-6);
 }
 
@@ -144,9 +142,7 @@ fn a_double_click_on_a_slider_resets_it() {
     window.run();
     assert!((window.state().inspector.session.surface.material.specular - 1.5).abs() < 1e-3);
     let value = window.get_by_label("Specular Ks").rect().center();
-    for _ in 0..2 {
-        click(&mut window, value, PointerButton::Primary);
-    }
+    double_click(&mut window, value);
     let specular = window.state().inspector.session.surface.material.specular;
     assert!((specular - 0.12).abs() < 1e-6, "{specular}");
 }
@@ -195,6 +191,14 @@ fn click(window: &mut Window, at: egui::Pos2, button: PointerButton) {
     window.run();
 }
 
+fn double_click(window: &mut Window, at: egui::Pos2) {
+    for _ in 0..2 {
+        press(window, at, PointerButton::Primary, true);
+        press(window, at, PointerButton::Primary, false);
+    }
+    window.run();
+}
+
 fn drag<T>(window: &mut Harness<'static, T>, from: egui::Pos2, by: egui::Vec2, button: PointerButton) {
     press(window, from, button, true);
     for step in 1..=4 {
@@ -205,6 +209,7 @@ fn drag<T>(window: &mut Harness<'static, T>, from: egui::Pos2, by: egui::Vec2, b
     window.run();
 }
 
+/// Moves there and presses or releases.
 fn press<T>(window: &mut Harness<'static, T>, pos: egui::Pos2, button: PointerButton, pressed: bool) {
     window.event(egui::Event::PointerMoved(pos));
     window.event(egui::Event::PointerButton { pos, button, pressed, modifiers: egui::Modifiers::NONE });

@@ -71,10 +71,15 @@ fn window(make: impl FnOnce(Wake) -> Session) -> Window {
         reason: "the adapter under test".to_owned(),
     };
     let surroundings = Surroundings { adapter, target: PaintTarget::default(), live: false };
-    Harness::builder().with_size([1280.0, 800.0]).with_max_steps(12).wgpu_setup(wgpu_setup()).build_eframe(|creation| {
-        let ctx = &creation.egui_ctx;
-        TestWindow { inspector: Inspector::new(ctx, make(wake_of(ctx)), surroundings) }
-    })
+    Harness::builder()
+        .with_size([1280.0, 800.0])
+        .with_step_dt(0.02)
+        .with_max_steps(12)
+        .wgpu_setup(wgpu_setup())
+        .build_eframe(|creation| {
+            let ctx = &creation.egui_ctx;
+            TestWindow { inspector: Inspector::new(ctx, make(wake_of(ctx)), surroundings) }
+        })
 }
 
 /// Draws and steps until every upload and every sample of the truth is there.
