@@ -1,10 +1,12 @@
 //! What happens to a normal map when it is filtered.
 
+pub mod app;
 pub mod brdf;
 pub mod cli;
 pub mod color;
 pub mod filter;
 pub mod gpu;
+pub mod headless;
 pub mod image_io;
 pub mod jobs;
 pub mod lighting;

@@ -3,7 +3,9 @@
 pub mod camera;
 pub mod mesh;
 pub mod shapes;
+pub mod sphere_orbit;
 
 pub use camera::Camera;
 pub use mesh::{Mesh, Vertex};
 pub use shapes::{Shape, ShapeKind};
+pub use sphere_orbit::SphereOrbit;

@@ -56,6 +56,15 @@ impl ShapeKind {
         }
     }
 
+    /// The surface's point and frame at texture coordinates in `0..=1`.
+    pub fn vertex(self, u: f32, v: f32) -> Vertex {
+        match self {
+            Self::Plane => plane(u, v),
+            Self::Sphere => sphere(u, v),
+            Self::Torus => torus(u, v),
+        }
+    }
+
     /// The surface as triangles; texture coordinates run once over it, from 0 to 1.
     pub fn mesh(self) -> Mesh {
         match self {

@@ -1,4 +1,5 @@
 //! The passes of a frame, each beside its shader in `shaders/`.
 
 pub mod compare;
+pub mod sphere;
 pub mod surface;

@@ -1,0 +1,58 @@
+//! Everything a panel can ask for. Panels only read the document; what they want done goes through here.
+
+use std::path::PathBuf;
+
+use crate::filter::vmf::FitSettings;
+use crate::lit_surface::LitSurface;
+use crate::normal_map::MapOptions;
+use crate::normal_map::pyramid::Texel;
+use crate::session::{Comparison, MapRequest, Message, Session};
+
+/// One request.
+#[derive(Clone, Debug)]
+pub enum Command {
+    /// Open a map.
+    Open(MapRequest),
+    /// Ask for a file, then open it.
+    OpenDialog,
+    /// Open the file at a typed path, read as the open map is.
+    OpenPath(PathBuf),
+    /// Read the open map anew, another way.
+    Reopen(MapOptions),
+    /// Fit with other settings.
+    SetFit(FitSettings),
+    /// Start the fit anew.
+    Refit,
+    /// Stop the fit.
+    CancelFit,
+    /// Light, material, shape, camera.
+    SetSurface(LitSurface),
+    /// Methods and wipe.
+    SetComparison(Comparison),
+    /// Select a texel.
+    Select(Texel),
+    /// Tell the user something.
+    Report(Message),
+}
+
+impl Command {
+    /// Carries the request out.
+    pub fn run(self, session: &mut Session) {
+        match self {
+            Self::Open(request) => session.open(request),
+            Self::OpenDialog => session.open_dialog(),
+            Self::OpenPath(path) => {
+                let options = session.map().options.clone();
+                session.open(MapRequest::File { path, options });
+            }
+            Self::Reopen(options) => session.reopen(options),
+            Self::SetFit(settings) => session.set_fit_settings(settings),
+            Self::Refit => session.refit(),
+            Self::CancelFit => session.cancel_fit(),
+            Self::SetSurface(surface) => session.surface = surface,
+            Self::SetComparison(comparison) => session.comparison = comparison,
+            Self::Select(texel) => session.select(texel),
+            Self::Report(message) => session.report(message),
+        }
+    }
+}

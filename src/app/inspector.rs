@@ -1,0 +1,148 @@
+//! One frame of the window, independent of what shows it: the native window, a picture without one, and the tests
+//! run the very same.
+
+use std::sync::Arc;
+
+use egui::{CentralPanel, Frame, Margin, Panel};
+
+use super::map_picture::MapTextures;
+use super::panels::{PanelContext, controls, map_panel, sphere_panel, status_bar, surface_panel, toasts, top_bar};
+use super::texel_report::TexelReport;
+use super::view_state::{Layout, ViewState};
+use super::viewport::PaintTarget;
+use super::theme;
+use crate::gpu::AdapterChoice;
+use crate::jobs::Wake;
+use crate::session::{MapRequest, Message, Session};
+
+/// What an inspector is told about where it is shown.
+#[derive(Clone, Debug)]
+pub struct Surroundings {
+    /// The adapter that draws.
+    pub adapter: AdapterChoice,
+    /// Where callbacks paint.
+    pub target: PaintTarget,
+    /// True in a window that people watch: figures that differ from run to run are shown there only.
+    pub live: bool,
+}
+
+/// The document, the view of it, and what is under way.
+pub struct Inspector {
+    /// The document.
+    pub session: Session,
+    /// The view of it.
+    pub view: ViewState,
+    surroundings: Surroundings,
+    report: TexelReport,
+    textures: MapTextures,
+    messages: Vec<Message>,
+    hover: Option<String>,
+    wake: Wake,
+}
+
+/// A wake-up call for jobs: asks the context for a repaint, from any thread.
+pub fn wake_of(ctx: &egui::Context) -> Wake {
+    let ctx = ctx.clone();
+    Arc::new(move || ctx.request_repaint())
+}
+
+impl Inspector {
+    /// An inspector of a session whose jobs call `wake`. Dresses the context.
+    pub fn new(ctx: &egui::Context, session: Session, surroundings: Surroundings) -> Self {
+        theme::apply(ctx);
+        Self {
+            session,
+            view: ViewState::default(),
+            surroundings,
+            report: TexelReport::default(),
+            textures: MapTextures::default(),
+            messages: Vec::new(),
+            hover: None,
+            wake: wake_of(ctx),
+        }
+    }
+
+    /// Takes the jobs' news and dropped files. Runs before every [`Inspector::ui`].
+    pub fn logic(&mut self, ctx: &egui::Context) {
+        self.open_dropped(ctx);
+        self.session.poll();
+        self.messages.extend(self.session.take_messages());
+        self.report.update(&self.session, &self.wake);
+        if self.surroundings.live && self.session.fitting().is_running() {
+            // Jobs wake the window for each level; the bars in between move ten times a second.
+            ctx.request_repaint_after(std::time::Duration::from_millis(100));
+        }
+    }
+
+    /// True when nothing is under way: no job, no upload, no unfinished picture.
+    pub fn is_settled(&self) -> bool {
+        let session = &self.session;
+        let busy = session.fitting().is_running() || session.is_opening() || self.report.is_gathering();
+        !busy && !self.surroundings.target.status.get().wants_more
+    }
+
+    /// The panels. Runs what they asked for at the end; the next frame shows it.
+    pub fn ui(&mut self, ui: &mut egui::Ui) {
+        let mut commands = Vec::new();
+        let mut hover = None;
+        let mut context = PanelContext {
+            session: &self.session,
+            view: &mut self.view,
+            commands: &mut commands,
+            report: &self.report,
+            textures: &mut self.textures,
+            surroundings: &self.surroundings,
+            hover: &mut hover,
+        };
+        lay_out(ui, &mut context, self.hover.as_deref());
+        toasts::show(ui.ctx(), &mut self.messages);
+        if hover != self.hover || !commands.is_empty() {
+            ui.ctx().request_repaint();
+        }
+        self.hover = hover;
+        commands.into_iter().for_each(|command| command.run(&mut self.session));
+    }
+
+    fn open_dropped(&mut self, ctx: &egui::Context) {
+        let Some(file) = ctx.input(|input| input.raw.dropped_files.last().cloned()) else { return };
+        let options = self.session.map().options.clone();
+        let path = file.path().to_owned();
+        if path.is_absolute() {
+            self.session.open(MapRequest::File { path, options });
+            return;
+        }
+        match file.bytes() {
+            Ok(bytes) => {
+                let name = path.display().to_string();
+                self.session.open(MapRequest::Bytes { name, bytes: bytes.into(), options });
+            }
+            Err(error) => {
+                let text = format!("The dropped file {} cannot be read: {error}.", path.display());
+                self.session.report(Message { text, is_error: true });
+            }
+        }
+    }
+}
+
+fn lay_out(ui: &mut egui::Ui, context: &mut PanelContext<'_>, hover: Option<&str>) {
+    let bar = Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(12, 5));
+    let side = Frame::new().fill(theme::PANEL).inner_margin(Margin { left: 12, right: 6, top: 8, bottom: 4 });
+    let picture = Frame::new().fill(theme::CANVAS);
+    Panel::top("top bar").frame(bar).show(ui, |ui| top_bar::show(ui, context));
+    Panel::bottom("status bar").frame(bar).show(ui, |ui| status_bar::show(ui, context, hover));
+    let controls = Panel::left("controls").frame(side).default_size(272.0).size_range(248.0..=420.0);
+    controls.show(ui, |ui| controls::show(ui, context));
+    let sphere = Panel::right("sphere").frame(side).default_size(316.0).size_range(280.0..=560.0);
+    sphere.show(ui, |ui| sphere_panel::show(ui, context));
+    Panel::bottom("levels").frame(bar).show(ui, |ui| map_panel::strip(ui, context));
+    CentralPanel::no_frame().frame(picture).show(ui, |ui| match context.view.layout {
+        Layout::Surface => surface_panel::show(ui, context),
+        Layout::Map => map_panel::show(ui, context),
+        Layout::Split => {
+            let half = (ui.available_width() / 2.0).floor();
+            let map = Panel::right("map half").frame(picture).exact_size(half).resizable(false);
+            map.show(ui, |ui| map_panel::show(ui, context));
+            surface_panel::show(ui, context);
+        }
+    });
+}

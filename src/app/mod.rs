@@ -1,0 +1,30 @@
+//! The window: what the user sees and does. It knows the [`Session`](crate::session::Session) and nothing below it
+//! depends on it.
+//!
+//! | module | what |
+//! | --- | --- |
+//! | `window` | the native window: adapter, event loop, what is said where there is no display |
+//! | `inspector` | one frame: jobs' news, panels, commands; the same in the window, headless and in tests |
+//! | `command` | everything a panel can ask for, and the one `match` that carries it out |
+//! | `view_state` | what of the view is worth saving: panels, zoom, orbit, toggles |
+//! | `texel_report` | what the selected texel holds, gathered once per change |
+//! | `map_picture` | levels as pictures |
+//! | `viewport` | the bridge to the GPU: paint callbacks of surface and sphere |
+//! | `parameter` | sliders built from a parameter's description |
+//! | `theme` | colours, spacing, type |
+//! | `panels/` | one file per panel: reads state, pushes commands |
+
+pub mod command;
+pub mod inspector;
+pub mod map_picture;
+pub mod panels;
+pub mod parameter;
+pub mod texel_report;
+pub mod theme;
+pub mod view_state;
+pub mod viewport;
+pub mod window;
+
+pub use command::Command;
+pub use inspector::Inspector;
+pub use view_state::ViewState;

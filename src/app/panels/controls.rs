@@ -1,0 +1,232 @@
+//! The controls on the left: map, fit, material, light, surface.
+
+use std::path::PathBuf;
+
+use egui::{ProgressBar, RichText, ScrollArea, TextEdit, Ui};
+use glam::Vec3;
+
+use super::{PanelContext, heading, rule};
+use crate::app::parameter::{Parameter, choice, label};
+use crate::app::{Command, theme};
+use crate::brdf::ConvolutionRule;
+use crate::filter::vmf::{Alignment, FitSettings};
+use crate::lit_surface::{LevelChoice, LitSurface};
+use crate::normal_map::{Addressing, GreenChannel, MapSource};
+use crate::scene::ShapeKind;
+use crate::sphere::vmf::KappaRule;
+
+mod parameters;
+use parameters as p;
+
+/// Shows all groups, scrolling where the window is low.
+pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.x = 6.0;
+        ui.set_max_width(ui.available_width() - 6.0);
+        heading(ui, "Map");
+        map(ui, context);
+        rule(ui);
+        heading(ui, "Fit");
+        fit(ui, context);
+        let mut surface = context.session.surface;
+        rule(ui);
+        heading(ui, "Material");
+        material(ui, &mut surface);
+        rule(ui);
+        light(ui, &mut surface);
+        rule(ui);
+        heading(ui, "Surface");
+        shape(ui, &mut surface, context.session.map().level_sizes().len());
+        ui.add_space(2.0 * theme::GRID);
+        if surface != context.session.surface {
+            context.push(Command::SetSurface(surface));
+        }
+    });
+}
+
+fn map(ui: &mut Ui, context: &mut PanelContext<'_>) {
+    ui.horizontal(|ui| {
+        let width = ui.available_width() - 62.0;
+        let field = TextEdit::singleline(&mut context.view.typed_path).hint_text("Path of an image, or drop one");
+        let response = ui.add_sized([width, theme::ROW], field).accessible_name("Path of an image");
+        let entered = response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        if entered && !context.view.typed_path.trim().is_empty() {
+            context.push(Command::OpenPath(PathBuf::from(context.view.typed_path.trim())));
+        }
+        if ui.add_sized([56.0, theme::ROW], egui::Button::new("Open…")).clicked() {
+            context.push(Command::OpenDialog);
+        }
+    });
+    if context.session.is_opening() {
+        ui.label(RichText::new("Reading a map").small().color(theme::ACCENT));
+    }
+    reading(ui, context);
+    for warning in &context.session.map().warnings {
+        let text = RichText::new(format!("{warning}.")).small().color(theme::WARNING);
+        ui.add(egui::Label::new(text).wrap());
+    }
+}
+
+/// How the file is read.
+fn reading(ui: &mut Ui, context: &mut PanelContext<'_>) {
+    let map = context.session.map();
+    let mut options = map.options.clone();
+    ui.add_enabled_ui(matches!(map.source, MapSource::File(_)), |ui| {
+        let greens = [(GreenChannel::Up, "+Y up (OpenGL)"), (GreenChannel::Down, "+Y down (DirectX)")];
+        if let Some(green) = choice(ui, "Green channel", p::GREEN, options.green, &greens) {
+            options.green = green;
+        }
+        ui.horizontal(|ui| {
+            label(ui, "Read as");
+            ui.checkbox(&mut options.two_channel, "two-channel").on_hover_text(p::TWO_CHANNEL);
+            let mut is_height = options.height_scale.is_some();
+            if ui.checkbox(&mut is_height, "heights").on_hover_text(p::HEIGHTS).changed() {
+                options.height_scale = is_height.then_some(p::HEIGHT_SCALE.default as f32);
+            }
+        });
+        if let Some(scale) = &mut options.height_scale {
+            p::HEIGHT_SCALE.show_f32(ui, scale);
+        }
+    });
+    let edges = [(Addressing::Wrap, "wrap (the map tiles)"), (Addressing::Clamp, "clamp")];
+    if let Some(addressing) = choice(ui, "Edges", p::EDGES, options.addressing, &edges) {
+        options.addressing = addressing;
+    }
+    if options != map.options {
+        context.push(Command::Reopen(options));
+    }
+}
+
+fn fit(ui: &mut Ui, context: &mut PanelContext<'_>) {
+    let mut settings = *context.session.fit_settings();
+    p::LOBES.show_count(ui, &mut settings.lobes);
+    alignment(ui, &mut settings);
+    p::ITERATIONS.show_count(ui, &mut settings.iterations);
+    let rules = [(KappaRule::Exact, "exact"), (KappaRule::Banerjee, "Banerjee (closed form)")];
+    if let Some(rule) = choice(ui, "Kappa from r", p::KAPPA, settings.kappa, &rules) {
+        settings.kappa = rule;
+    }
+    if settings != *context.session.fit_settings() {
+        context.push(Command::SetFit(settings));
+    }
+    progress(ui, context);
+}
+
+fn alignment(ui: &mut Ui, settings: &mut FitSettings) {
+    #[derive(Clone, Copy, PartialEq)]
+    enum Kind {
+        None,
+        Smooth,
+        Paper,
+    }
+    let kind = match settings.align {
+        Alignment::None => Kind::None,
+        Alignment::Smooth { .. } => Kind::Smooth,
+        Alignment::Paper { .. } => Kind::Paper,
+    };
+    let kinds = [(Kind::Smooth, "smooth"), (Kind::Paper, "paper (eq. 23)"), (Kind::None, "none")];
+    if let Some(kind) = choice(ui, "Alignment", p::ALIGNMENT, kind, &kinds) {
+        settings.align = match kind {
+            Kind::None => Alignment::None,
+            Kind::Smooth => Alignment::default(),
+            Kind::Paper => Alignment::Paper { c: p::STRENGTH.default as f32 },
+        };
+    }
+    match &mut settings.align {
+        Alignment::None => {}
+        Alignment::Smooth { blend } => drop(p::BLEND.show_f32(ui, blend)),
+        Alignment::Paper { c } => drop(p::STRENGTH.show_f32(ui, c)),
+    }
+}
+
+fn progress(ui: &mut Ui, context: &mut PanelContext<'_>) {
+    let fitting = context.session.fitting();
+    ui.horizontal(|ui| {
+        let width = ui.available_width() - 62.0;
+        let (fraction, text) = match fitting.progress() {
+            Some(progress) => (progress.fraction, format!("{:.0} %", 100.0 * progress.fraction)),
+            None if fitting.is_complete() => (1.0, "fitted".to_owned()),
+            None => (0.0, "stopped".to_owned()),
+        };
+        let color = if fitting.is_running() { theme::ACCENT.gamma_multiply(0.7) } else { theme::LINE };
+        let text = RichText::new(text).small().color(theme::STRONG);
+        let bar = ProgressBar::new(fraction).desired_width(width).desired_height(theme::ROW).corner_radius(4);
+        ui.add(bar.fill(color).text(text)).on_hover_text("How far the fit is, all levels together");
+        let (name, command) = if fitting.is_running() {
+            ("Cancel", Command::CancelFit)
+        } else {
+            ("Refit", Command::Refit)
+        };
+        if ui.add_sized([56.0, theme::ROW], egui::Button::new(name)).accessible_name(format!("{name} fit")).clicked() {
+            context.push(command);
+        }
+    });
+}
+
+fn material(ui: &mut Ui, surface: &mut LitSurface) {
+    let material = &mut surface.material;
+    p::SHININESS.show_f32(ui, &mut material.shininess);
+    p::SPECULAR.show_f32(ui, &mut material.specular);
+    p::DIFFUSE.show_f32(ui, &mut material.diffuse);
+    ui.horizontal(|ui| {
+        label(ui, "Colours");
+        ui.spacing_mut().interact_size.x = 28.0;
+        color(ui, "Specular colour", &mut material.specular_color);
+        ui.label(RichText::new("specular").small().color(theme::WEAK));
+        color(ui, "Diffuse colour", &mut material.diffuse_color);
+        ui.label(RichText::new("diffuse").small().color(theme::WEAK));
+    });
+    let rules = ConvolutionRule::ALL.map(|rule| (rule, rule.label()));
+    if let Some(rule) = choice(ui, "Convolution", p::CONVOLUTION, material.convolution, &rules) {
+        material.convolution = rule;
+    }
+}
+
+fn color(ui: &mut Ui, name: &str, value: &mut Vec3) {
+    let mut rgb = value.to_array();
+    let response = ui.color_edit_button_rgb(&mut rgb).accessible_name(name).on_hover_text(name);
+    if response.changed() {
+        *value = rgb.into();
+    }
+}
+
+fn light(ui: &mut Ui, surface: &mut LitSurface) {
+    let light = &mut surface.light;
+    ui.horizontal(|ui| {
+        heading(ui, "Light");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            color(ui, "Light colour", &mut light.color);
+        });
+    });
+    p::LIGHT_AZIMUTH.show_f32(ui, &mut light.azimuth_deg);
+    p::LIGHT_ELEVATION.show_f32(ui, &mut light.elevation_deg);
+    p::LIGHT_INTENSITY.show_f32(ui, &mut light.intensity);
+}
+
+fn shape(ui: &mut Ui, surface: &mut LitSurface, levels: usize) {
+    let kinds = ShapeKind::ALL.map(|kind| (kind, kind.label()));
+    ui.horizontal(|ui| {
+        label(ui, "Shape");
+        super::segmented(ui, "Shape", &mut surface.shape.kind, &kinds);
+    });
+    let [mut across, mut down] = surface.shape.tiling;
+    if p::TILING_U.show_f32(ui, &mut across) | p::TILING_V.show_f32(ui, &mut down) {
+        surface.shape.tiling = [across, down];
+    }
+    level(ui, &mut surface.level, levels);
+    p::EXPOSURE.show_f32(ui, &mut surface.exposure_stops);
+}
+
+/// Which level is read: by the pixel's size, or one everywhere.
+fn level(ui: &mut Ui, level: &mut LevelChoice, levels: usize) {
+    let mut is_fixed = matches!(level, LevelChoice::Fixed(_));
+    let choices = [(false, "automatic"), (true, "fixed")];
+    if let Some(chosen) = choice(ui, "Level", p::LEVEL, is_fixed, &choices) {
+        is_fixed = chosen;
+        *level = if is_fixed { LevelChoice::Fixed(0.0) } else { LevelChoice::Auto };
+    }
+    if let LevelChoice::Fixed(value) = level {
+        let parameter = Parameter { range: [0.0, (levels - 1).max(1) as f64], ..p::FIXED_LEVEL };
+        parameter.show_f32(ui, value);
+    }
+}

@@ -1,0 +1,135 @@
+//! Every parameter of the controls: name, range, default, unit, tooltip.
+
+use crate::app::parameter::Parameter;
+
+/// A dimensionless parameter on a linear scale.
+const PLAIN: Parameter =
+    Parameter { name: "", range: [0.0, 1.0], default: 0.0, unit: "", decimals: 2, logarithmic: false, tooltip: "" };
+
+pub(super) const GREEN: &str = "Which way the green channel points: up the image (OpenGL) or down (DirectX).";
+pub(super) const TWO_CHANNEL: &str = "Takes z from x and y, whatever the third channel holds.";
+pub(super) const HEIGHTS: &str = "Reads the image as heights and takes the normals from their slope.";
+pub(super) const EDGES: &str = "What lies beyond an edge of the map.";
+pub(super) const KAPPA: &str = "How a lobe's concentration follows from its mean length: the exact inverse of \
+                                A(kappa) = coth(kappa) - 1/kappa, or the papers' closed form, up to 5 % off.";
+pub(super) const ALIGNMENT: &str =
+    "How lobe j of neighbouring texels is made to mean the same thing, so that hardware may interpolate it.";
+pub(super) const CONVOLUTION: &str =
+    "How the exponent of a Blinn-Phong lobe blurred by a vMF lobe is found (Han et al. 2007, eq. 20, and two others).";
+pub(super) const LEVEL: &str = "Which level the surface reads: the one whose texels are as large as a pixel, or one \
+                                level everywhere.";
+
+pub(super) const HEIGHT_SCALE: Parameter = Parameter {
+    name: "Height scale",
+    range: [0.01, 100.0],
+    default: 4.0,
+    logarithmic: true,
+    tooltip: "Texel widths from the lowest to the highest height.",
+    ..PLAIN
+};
+pub(super) const LOBES: Parameter = Parameter {
+    name: "Lobes J",
+    range: [1.0, 8.0],
+    default: 6.0,
+    decimals: 0,
+    tooltip: "Lobes per texel. Fewer are shown at once, merged from those at hand, until the fit is done.",
+    ..PLAIN
+};
+pub(super) const BLEND: Parameter = Parameter {
+    name: "Neighbours b",
+    range: [0.0, 0.9],
+    default: 0.15,
+    tooltip: "The neighbours' share in the E-step; directions are left alone.",
+    ..PLAIN
+};
+pub(super) const STRENGTH: Parameter = Parameter {
+    name: "Alignment C",
+    range: [0.0, 100.0],
+    default: 1.0,
+    logarithmic: true,
+    tooltip: "Pull of the mean directions towards the neighbours' (Han et al. 2007, eq. 23).",
+    ..PLAIN
+};
+pub(super) const ITERATIONS: Parameter = Parameter {
+    name: "Iterations",
+    range: [1.0, 400.0],
+    default: 100.0,
+    decimals: 0,
+    logarithmic: true,
+    tooltip: "The most EM iterations per texel; most texels stop earlier.",
+    ..PLAIN
+};
+pub(super) const SHININESS: Parameter = Parameter {
+    name: "Shininess s",
+    range: [1.0, 4000.0],
+    default: 64.0,
+    decimals: 1,
+    logarithmic: true,
+    tooltip: "Blinn-Phong exponent: (s + 1) / (2 pi) max(n.h, 0)^s.",
+    ..PLAIN
+};
+pub(super) const SPECULAR: Parameter = Parameter {
+    name: "Specular Ks",
+    range: [0.0, 2.0],
+    default: 0.12,
+    decimals: 3,
+    tooltip: "Strength of the specular part.",
+    ..PLAIN
+};
+pub(super) const DIFFUSE: Parameter = Parameter {
+    name: "Diffuse Kd",
+    range: [0.0, 2.0],
+    default: 0.45,
+    decimals: 3,
+    tooltip: "Strength of the diffuse part.",
+    ..PLAIN
+};
+pub(super) const LIGHT_AZIMUTH: Parameter = Parameter {
+    name: "Light azimuth",
+    range: [-180.0, 180.0],
+    default: 118.0,
+    unit: "°",
+    decimals: 1,
+    tooltip: "Where the light stands, from +x towards +y.",
+    ..PLAIN
+};
+pub(super) const LIGHT_ELEVATION: Parameter = Parameter {
+    name: "Light elevation",
+    range: [-90.0, 90.0],
+    default: 48.0,
+    unit: "°",
+    decimals: 1,
+    tooltip: "How high the light stands over the plane.",
+    ..PLAIN
+};
+pub(super) const LIGHT_INTENSITY: Parameter = Parameter {
+    name: "Light intensity",
+    range: [0.0, 20.0],
+    default: 1.6,
+    logarithmic: true,
+    tooltip: "Factor on the light's colour.",
+    ..PLAIN
+};
+pub(super) const TILING_U: Parameter = Parameter {
+    name: "Tiling u",
+    range: [0.25, 64.0],
+    default: 2.0,
+    logarithmic: true,
+    tooltip: "How often the map repeats across the surface.",
+    ..PLAIN
+};
+pub(super) const TILING_V: Parameter =
+    Parameter { name: "Tiling v", tooltip: "How often the map repeats down the surface.", ..TILING_U };
+pub(super) const FIXED_LEVEL: Parameter = Parameter {
+    name: "Fixed level",
+    tooltip: "The level that is read everywhere; between two levels both are blended.",
+    ..PLAIN
+};
+pub(super) const EXPOSURE: Parameter = Parameter {
+    name: "Exposure",
+    range: [-8.0, 8.0],
+    unit: " EV",
+    decimals: 1,
+    tooltip: "Stops: each doubles the picture's linear values.",
+    ..PLAIN
+};

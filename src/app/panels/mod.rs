@@ -1,0 +1,78 @@
+//! The panels, one file each. A panel reads the session, keeps its own view state, and pushes commands.
+
+pub mod controls;
+pub mod lobe_table;
+pub mod map_panel;
+pub mod sphere_panel;
+pub mod status_bar;
+pub mod surface_overlay;
+pub mod surface_panel;
+pub mod toasts;
+pub mod top_bar;
+
+use egui::{Response, RichText, Ui};
+
+use super::inspector::Surroundings;
+use super::map_picture::MapTextures;
+use super::texel_report::TexelReport;
+use super::{Command, ViewState, theme};
+use crate::session::Session;
+
+/// What panels see and may touch.
+pub struct PanelContext<'a> {
+    /// The document, to be read.
+    pub session: &'a Session,
+    /// The view, the panels' own.
+    pub view: &'a mut ViewState,
+    /// What is to be done.
+    pub commands: &'a mut Vec<Command>,
+    /// The selected texel.
+    pub report: &'a TexelReport,
+    /// Levels as textures.
+    pub textures: &'a mut MapTextures,
+    /// Where all this is shown.
+    pub surroundings: &'a Surroundings,
+    /// What lies under the pointer, for the status bar.
+    pub hover: &'a mut Option<String>,
+}
+
+impl PanelContext<'_> {
+    /// Asks for something.
+    pub fn push(&mut self, command: Command) {
+        self.commands.push(command);
+    }
+}
+
+/// A line across the panel.
+pub fn rule(ui: &mut Ui) {
+    ui.add_space(theme::GRID);
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 1.0), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 0.0, theme::LINE);
+    ui.add_space(2.0);
+}
+
+/// The heading of a group.
+pub fn heading(ui: &mut Ui, title: &str) {
+    ui.label(RichText::new(title).strong().size(13.0).color(theme::STRONG));
+}
+
+/// A button that is on or off.
+pub fn toggle(ui: &mut Ui, on: &mut bool, text: &str, tooltip: &str) -> Response {
+    let response = ui.add(egui::Button::selectable(*on, text)).on_hover_text(tooltip);
+    if response.clicked() {
+        *on = !*on;
+    }
+    response
+}
+
+/// A row of buttons of which one is chosen.
+pub fn segmented<T: Copy + PartialEq>(ui: &mut Ui, group: &str, chosen: &mut T, choices: &[(T, &str)]) {
+    ui.spacing_mut().item_spacing.x = 2.0;
+    for &(value, text) in choices {
+        let response = ui.add(egui::Button::selectable(*chosen == value, text));
+        if response.clicked() {
+            *chosen = value;
+        }
+        response.accessible_name(format!("{group}: {text}"));
+    }
+}

@@ -1,0 +1,142 @@
+//! Sliders built from a parameter's description: name, range, default, unit, tooltip.
+//!
+//! A row reads label, slider, typed value. Double click on any of them resets. The slider is named after the
+//! parameter in the accessibility tree, the typed value after it with "value" behind.
+
+use egui::{DragValue, Label, Response, Sense, Slider, Ui};
+
+use super::theme;
+
+/// A number that the user may set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// What it is called, symbol after the word, as in "Shininess s".
+    pub name: &'static str,
+    /// Smallest and largest value.
+    pub range: [f64; 2],
+    /// The value that a double click brings back.
+    pub default: f64,
+    /// Written behind the value; may be empty.
+    pub unit: &'static str,
+    /// Digits behind the decimal point.
+    pub decimals: usize,
+    /// True where ratios matter to the eye rather than differences.
+    pub logarithmic: bool,
+    /// What it does, with the number of the equation where there is one.
+    pub tooltip: &'static str,
+}
+
+/// Width of the labels, so that sliders stand in one column.
+const LABEL_WIDTH: f32 = 92.0;
+/// Width of the typed values.
+const VALUE_WIDTH: f32 = 52.0;
+
+impl Parameter {
+    /// Shows the row; true if the value changed.
+    pub fn show(&self, ui: &mut Ui, value: &mut f64) -> bool {
+        let before = *value;
+        let row = ui.horizontal(|ui| {
+            let label = label(ui, self.name);
+            let slider = self.slider(ui, value);
+            let typed = self.typed(ui, value);
+            [label, slider, typed]
+        });
+        for response in row.inner {
+            if response.double_clicked() {
+                *value = self.default;
+            }
+            response.on_hover_text(self.explanation());
+        }
+        *value != before
+    }
+
+    /// As [`Parameter::show`], for a value kept in single precision.
+    pub fn show_f32(&self, ui: &mut Ui, value: &mut f32) -> bool {
+        let mut wide = f64::from(*value);
+        let changed = self.show(ui, &mut wide);
+        if changed {
+            *value = wide as f32;
+        }
+        changed
+    }
+
+    /// As [`Parameter::show`], for a whole number.
+    pub fn show_count(&self, ui: &mut Ui, value: &mut usize) -> bool {
+        let mut wide = *value as f64;
+        let changed = self.show(ui, &mut wide);
+        if changed {
+            *value = wide.round() as usize;
+        }
+        changed
+    }
+
+    fn slider(&self, ui: &mut Ui, value: &mut f64) -> Response {
+        let [low, high] = self.range;
+        let gaps = ui.spacing().item_spacing.x;
+        ui.spacing_mut().slider_width = (ui.available_width() - VALUE_WIDTH - gaps).max(40.0);
+        let height = std::mem::replace(&mut ui.spacing_mut().interact_size.y, theme::HANDLE);
+        let slider = Slider::new(value, low..=high).show_value(false).logarithmic(self.logarithmic);
+        let slider = if self.decimals == 0 { slider.integer() } else { slider.max_decimals(self.decimals) };
+        let response = ui.add(slider).interact(Sense::click()).accessible_name(self.name);
+        ui.spacing_mut().interact_size.y = height;
+        response
+    }
+
+    fn typed(&self, ui: &mut Ui, value: &mut f64) -> Response {
+        let [low, high] = self.range;
+        // A drag of 150 points spans the range, or a factor of e where the range is logarithmic.
+        let speed = if self.logarithmic { value.abs().max(low.max(1e-3)) / 150.0 } else { (high - low) / 150.0 };
+        let typed = DragValue::new(value)
+            .range(low..=high)
+            .speed(speed)
+            .max_decimals(self.decimals)
+            .suffix(self.unit)
+            .update_while_editing(false);
+        ui.add_sized([VALUE_WIDTH, theme::ROW], typed).accessible_name(format!("{} value", self.name))
+    }
+
+    fn explanation(&self) -> String {
+        let [low, high] = self.range;
+        let unit = self.unit;
+        format!("{}\n{low}{unit} to {high}{unit}, default {}{unit}. Double click resets.", self.tooltip, self.default)
+    }
+}
+
+/// A label of the column's width, in front of a control.
+pub fn label(ui: &mut Ui, text: &str) -> Response {
+    let layout = egui::Layout::left_to_right(egui::Align::Center);
+    let size = egui::vec2(LABEL_WIDTH, theme::ROW);
+    ui.allocate_ui_with_layout(size, layout, |ui| {
+        ui.set_min_size(size);
+        ui.add(Label::new(text).truncate().selectable(false).sense(Sense::click()))
+    })
+    .inner
+}
+
+/// A labelled drop-down over named choices; the new choice, if one was made.
+pub fn choice<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    tooltip: &str,
+    current: T,
+    choices: &[(T, &str)],
+) -> Option<T> {
+    let mut chosen = current;
+    ui.horizontal(|ui| {
+        label(ui, name).on_hover_text(tooltip);
+        combo(ui, name, &mut chosen, choices).on_hover_text(tooltip);
+    });
+    (chosen != current).then_some(chosen)
+}
+
+/// A drop-down without a label, as wide as what is left of the row.
+pub fn combo<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices: &[(T, &str)]) -> Response {
+    let text = choices.iter().find(|(value, _)| value == chosen).map_or("", |(_, text)| text);
+    let combo = egui::ComboBox::from_id_salt(name).selected_text(text).width(ui.available_width()).truncate();
+    let shown = combo.show_ui(ui, |ui| {
+        for &(value, text) in choices {
+            ui.selectable_value(chosen, value, text);
+        }
+    });
+    shown.response.accessible_name(name)
+}

@@ -1,0 +1,199 @@
+//! What the selected texel holds: its NDF as a picture, its lobes, and the figures beside them.
+//!
+//! Gathered once per change of what it depends on: at once for a small footprint, in a job for a large one.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::brdf::{BlinnPhong, Brdf, ConvolutionRule};
+use crate::filter::vmf::{Fold, LobePyramid, effective_brdf};
+use crate::jobs::{Job, JobEvent, Wake};
+use crate::ndf::Ndf;
+use crate::normal_map::NormalMap;
+use crate::normal_map::pyramid::Texel;
+use crate::reference::NdfPicture;
+use crate::session::Session;
+use crate::sphere::direction::hemisphere;
+use crate::sphere::{Mixture, StoredLobe};
+
+/// Footprints up to this many base texels are gathered between two frames.
+const AT_ONCE: usize = 1 << 17;
+
+/// Directions over which the error of the effective BRDF is taken.
+const DIRECTIONS: usize = 96;
+
+/// The data of a texel, independent of any fit.
+#[derive(Clone, Debug)]
+pub struct TexelData {
+    /// Which texel.
+    pub texel: Texel,
+    /// Its normals, ready to be drawn.
+    pub picture: NdfPicture,
+    /// Valid base texels that the footprint touches.
+    pub normals: usize,
+    /// Length of the mean normal.
+    pub mean_length: f64,
+}
+
+/// What the lobes make of it.
+#[derive(Clone, Debug)]
+pub struct TexelFit {
+    /// Slot and lobe; empty while the level is not fitted.
+    pub mixture: Mixture,
+    /// Weighted mean over the normals of the natural log of the mixture's density.
+    pub mean_log_likelihood: f64,
+    /// Error of the effective BRDF over the hemisphere, relative to the truth, in the root mean square.
+    pub brdf_error: f64,
+}
+
+/// The report on the selected texel, kept up to date by [`TexelReport::update`].
+#[derive(Default)]
+pub struct TexelReport {
+    data: Option<Arc<TexelData>>,
+    data_key: Option<(u64, Texel)>,
+    data_revision: u64,
+    fit: Option<TexelFit>,
+    fit_key: Option<FitKey>,
+    job: Option<Job<TexelData>>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct FitKey {
+    data_revision: u64,
+    lobes_revision: u64,
+    texel: Texel,
+    shininess: f32,
+    rule: ConvolutionRule,
+}
+
+impl TexelReport {
+    /// The selected texel's data; an earlier texel's while a large footprint is gathered, `None` at the start.
+    pub fn data(&self) -> Option<&Arc<TexelData>> {
+        self.data.as_ref()
+    }
+
+    /// Grows whenever the data change.
+    pub fn data_revision(&self) -> u64 {
+        self.data_revision
+    }
+
+    /// What the lobes make of it; `None` while its level is not fitted.
+    pub fn fit(&self) -> Option<&TexelFit> {
+        self.fit.as_ref()
+    }
+
+    /// True while a large footprint is gathered in the background.
+    pub fn is_gathering(&self) -> bool {
+        self.job.is_some()
+    }
+
+    /// Follows the session. Call once per frame.
+    pub fn update(&mut self, session: &Session, wake: &Wake) {
+        let key = (session.map_revision(), session.selected());
+        if self.data_key != Some(key) {
+            self.data_key = Some(key);
+            self.gather(Arc::clone(session.map()), key.1, wake);
+        }
+        self.poll();
+        self.update_fit(session);
+    }
+
+    fn gather(&mut self, map: Arc<NormalMap>, texel: Texel, wake: &Wake) {
+        self.job = None;
+        let (width, height) = map.level_sizes()[texel.level];
+        if map.len() / (width * height) <= AT_ONCE {
+            self.take(gather(&map, texel));
+            return;
+        }
+        let work = move |outbox: &crate::jobs::Outbox<TexelData>| outbox.send(gather(&map, texel));
+        match Job::spawn("gather-ndf", Arc::clone(wake), work) {
+            Ok(job) => self.job = Some(job),
+            Err(error) => log::warn!("the texel's normals cannot be gathered: {error}"),
+        }
+    }
+
+    fn poll(&mut self) {
+        match self.job.as_ref().and_then(Job::next) {
+            Some(JobEvent::News(data)) => self.take(data),
+            Some(JobEvent::Panicked(text)) => log::warn!("the texel's normals were not gathered: {text}"),
+            None => return,
+        }
+        self.job = None;
+    }
+
+    fn take(&mut self, data: TexelData) {
+        self.data = Some(Arc::new(data));
+        self.data_revision += 1;
+    }
+
+    fn update_fit(&mut self, session: &Session) {
+        let Some(data) = self.data.clone() else { return };
+        let material = &session.surface.material;
+        let key = FitKey {
+            data_revision: self.data_revision,
+            lobes_revision: session.fitting().revision(),
+            texel: data.texel,
+            shininess: material.shininess,
+            rule: material.convolution,
+        };
+        if self.fit_key == Some(key) || self.job.is_some() {
+            return;
+        }
+        self.fit_key = Some(key);
+        let mixture = folded_mixture(session.lobes(), session.fitting().fold(), data.texel);
+        self.fit = mixture.map(|mixture| TexelFit {
+            mean_log_likelihood: mean_log_likelihood(session.map(), &data, &mixture),
+            brdf_error: brdf_error(&data.picture, &mixture, material.shininess, material.convolution),
+            mixture,
+        });
+    }
+}
+
+fn gather(map: &NormalMap, texel: Texel) -> TexelData {
+    let ndf = Ndf::of_texel(map, texel);
+    TexelData {
+        texel,
+        picture: NdfPicture::new(ndf.samples()),
+        normals: ndf.len(),
+        mean_length: ndf.mean().length(),
+    }
+}
+
+/// The lobes of a texel as they are shown: merged as the preview merges them.
+pub fn folded_mixture(lobes: &LobePyramid, fold: Fold, texel: Texel) -> Option<Mixture> {
+    let mut folded = [[0.0; 4]; crate::sphere::mixture::MAX_LOBES];
+    let mut add = |slot: usize, stored: StoredLobe| {
+        let target = &mut folded[usize::from(fold.0[slot])];
+        *target = std::array::from_fn(|i| target[i] + stored[i]);
+    };
+    if texel.level == 0 {
+        let index = texel.y * lobes.map.width + texel.x;
+        add(lobes.base_slot(index), lobes.base_lobe(index));
+    } else {
+        let level = lobes.level(texel.level)?;
+        level.texel(texel.x, texel.y).iter().enumerate().for_each(|(slot, &stored)| add(slot, stored));
+    }
+    Some(Mixture::from_stored(&folded))
+}
+
+/// Over every normal of a small footprint; over the picture's points, which stand for them, of a large one.
+fn mean_log_likelihood(map: &NormalMap, data: &TexelData, mixture: &Mixture) -> f64 {
+    let log_density = |normal: DVec3| mixture.density(normal).max(f64::MIN_POSITIVE).ln();
+    if data.normals <= AT_ONCE {
+        return Ndf::of_texel(map, data.texel).expectation(log_density);
+    }
+    data.picture.points.iter().map(|&(normal, weight)| weight * log_density(normal)).sum()
+}
+
+/// `sqrt(sum (vmf - truth)^2 / sum truth^2)` of the effective BRDF over directions of equal solid angle.
+fn brdf_error(picture: &NdfPicture, mixture: &Mixture, shininess: f32, rule: ConvolutionRule) -> f64 {
+    let brdf = Brdf::BlinnPhong(BlinnPhong { shininess: f64::from(shininess) });
+    let (mut squared_error, mut squared_truth) = (0.0, f64::MIN_POSITIVE);
+    for omega in hemisphere(DIRECTIONS) {
+        let truth: f64 = picture.points.iter().map(|&(normal, weight)| weight * brdf.zonal(normal.dot(omega))).sum();
+        squared_error += (effective_brdf(mixture, brdf, omega, rule) - truth).powi(2);
+        squared_truth += truth * truth;
+    }
+    (squared_error / squared_truth).sqrt()
+}

@@ -1,0 +1,81 @@
+//! What of the view is worth saving: nothing here changes the fit or a picture's values, only what is seen of them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::gpu::passes::sphere::SphereLayers;
+use crate::scene::SphereOrbit;
+
+/// What the middle of the window shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layout {
+    /// The lit surface.
+    #[default]
+    Surface,
+    /// The lit surface and the map beside each other.
+    Split,
+    /// The map.
+    Map,
+}
+
+impl Layout {
+    /// Every layout with its name, in the order they are offered.
+    pub const ALL: [(Self, &'static str); 3] =
+        [(Self::Surface, "Surface"), (Self::Split, "Split"), (Self::Map, "Map")];
+}
+
+/// What a level's picture shows of its texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MapShading {
+    /// The mean normal, coloured as normal maps are.
+    #[default]
+    Normal,
+    /// The length of the mean normal: 1 where a footprint is flat.
+    Length,
+    /// The lobes' colours, mixed by their weights.
+    Lobes,
+}
+
+impl MapShading {
+    /// Every shading with its name, in the order they are offered.
+    pub const ALL: [(Self, &'static str); 3] =
+        [(Self::Normal, "Normal"), (Self::Length, "Length"), (Self::Lobes, "Lobes")];
+}
+
+/// Where the map view looks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MapView {
+    /// The point of the map in the middle of the view, `0..1` across and down.
+    pub center: [f32; 2],
+    /// Size over the size at which the whole map fits the view.
+    pub zoom: f32,
+    /// What is shown of the texels.
+    pub shading: MapShading,
+}
+
+impl Default for MapView {
+    fn default() -> Self {
+        Self { center: [0.5, 0.5], zoom: 1.0, shading: MapShading::Normal }
+    }
+}
+
+/// The whole view.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ViewState {
+    /// What the middle shows.
+    pub layout: Layout,
+    /// The map view.
+    pub map: MapView,
+    /// How the sphere is turned.
+    pub sphere_orbit: SphereOrbit,
+    /// What the sphere shows.
+    pub sphere_layers: SphereLayers,
+    /// Which repeat of the map carries the selected texel's outline on the surface, counted across and down.
+    pub pinned_repeat: [u32; 2],
+    /// The path that is being typed.
+    #[serde(skip)]
+    pub typed_path: String,
+}

@@ -1,0 +1,226 @@
+//! The bridge to the GPU: paint callbacks that record the surface and the sphere into the window's own frame.
+//!
+//! The passes live in the renderer's callback resources, made on first use. What a frame learns (samples drawn,
+//! whether another frame would look better) goes back through [`SurfaceStatus`], which the next pass of the window
+//! reads.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescriptor};
+
+use crate::filter::Method;
+use crate::filter::vmf::{Fold, LobePyramid};
+use crate::filter::PlainMip;
+use crate::gpu::frame::{FrameBudget, FrameInput, SurfaceFrame};
+use crate::gpu::passes::sphere::{SphereInput, SphereLayers, SpherePass};
+use crate::lit_surface::LitSurface;
+use crate::scene::SphereOrbit;
+use crate::session::{Comparison, Session};
+use crate::sphere::Lobe;
+use crate::wgpu;
+
+use super::texel_report::TexelData;
+
+/// What the surface's last frame came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfaceReport {
+    /// Samples per pixel that the truth has.
+    pub truth_samples: u32,
+    /// True while another frame would look better.
+    pub wants_more: bool,
+    /// Finest levels left out because the adapter cannot hold them.
+    pub left_out: usize,
+    /// Finest and coarsest level of lobes in use.
+    pub lobe_levels: Option<[f32; 2]>,
+}
+
+/// A report that the frame writes and the window reads.
+#[derive(Clone, Debug, Default)]
+pub struct SurfaceStatus(Arc<Mutex<SurfaceReport>>);
+
+impl SurfaceStatus {
+    /// The last report.
+    pub fn get(&self) -> SurfaceReport {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Writes a report; true if it differs from the last.
+    fn set(&self, report: SurfaceReport) -> bool {
+        let mut last = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let differs = *last != report;
+        *last = report;
+        differs
+    }
+}
+
+/// The surface, to be painted into a rectangle.
+pub struct SurfacePaint {
+    surface: LitSurface,
+    mip: Arc<PlainMip>,
+    lobes: Arc<LobePyramid>,
+    fold: Fold,
+    comparison: Comparison,
+    size: [u32; 2],
+    budget: FrameBudget,
+    format: wgpu::TextureFormat,
+    status: SurfaceStatus,
+    context: egui::Context,
+}
+
+impl SurfacePaint {
+    /// Everything the surface's picture depends on, taken from the session.
+    pub fn new(session: &Session, size: [u32; 2], target: &PaintTarget, context: &egui::Context) -> Self {
+        Self {
+            surface: session.surface,
+            mip: Arc::clone(session.mip()),
+            lobes: Arc::clone(session.lobes()),
+            fold: session.fitting().fold(),
+            comparison: session.comparison,
+            size,
+            budget: FrameBudget { truth_limit: session.truth_samples, ..target.budget },
+            format: target.format,
+            status: target.status.clone(),
+            context: context.clone(),
+        }
+    }
+
+    /// The shape that paints it.
+    pub fn shape(self, rect: egui::Rect) -> egui::Shape {
+        Callback::new_paint_callback(rect, self).into()
+    }
+
+    fn input(&self) -> FrameInput<'_> {
+        FrameInput {
+            surface: &self.surface,
+            mip: &self.mip,
+            lobes: &self.lobes,
+            fold: self.fold,
+            left: self.comparison.left,
+            right: self.comparison.right,
+            wipe: self.comparison.wipe,
+            size: self.size,
+        }
+    }
+}
+
+/// Where and how callbacks paint.
+#[derive(Clone, Debug)]
+pub struct PaintTarget {
+    /// The format of the window's frame.
+    pub format: wgpu::TextureFormat,
+    /// How much one frame may do.
+    pub budget: FrameBudget,
+    /// What the surface's last frame came to.
+    pub status: SurfaceStatus,
+}
+
+impl Default for PaintTarget {
+    fn default() -> Self {
+        Self {
+            format: wgpu::TextureFormat::Rgba8Unorm,
+            budget: FrameBudget::default(),
+            status: SurfaceStatus::default(),
+        }
+    }
+}
+
+/// Runs `make` on first use.
+fn resource<T: Send + Sync + 'static>(resources: &mut CallbackResources, make: impl FnOnce() -> T) -> &mut T {
+    resources.entry::<T>().or_insert_with(make)
+}
+
+impl CallbackTrait for SurfacePaint {
+    fn prepare(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        _screen: &ScreenDescriptor,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        let frame = resource(resources, || SurfaceFrame::new(device, self.format));
+        frame.budget = self.budget;
+        frame.prepare(device, queue, encoder, &self.input());
+        let report = SurfaceReport {
+            truth_samples: frame.truth_samples(),
+            wants_more: frame.wants_more(),
+            left_out: frame.left_out(),
+            lobe_levels: frame.lod_range(Method::Vmf),
+        };
+        if self.status.set(report) || report.wants_more {
+            self.context.request_repaint();
+        }
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        _info: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        if let Some(frame) = resources.get::<SurfaceFrame>() {
+            frame.draw(pass);
+        }
+    }
+}
+
+/// The sphere, to be painted into a rectangle.
+pub struct SpherePaint {
+    /// The texel's data.
+    pub data: Arc<TexelData>,
+    /// Grows whenever the data change.
+    pub data_revision: u64,
+    /// Slot and lobe.
+    pub lobes: Vec<(usize, Lobe)>,
+    /// How the sphere is turned.
+    pub orbit: SphereOrbit,
+    /// What is shown.
+    pub layers: SphereLayers,
+    /// Size in pixels.
+    pub size_px: [f32; 2],
+    /// Pixels per point.
+    pub px_per_point: f32,
+    /// The format of the window's frame.
+    pub format: wgpu::TextureFormat,
+}
+
+impl SpherePaint {
+    /// The shape that paints it.
+    pub fn shape(self, rect: egui::Rect) -> egui::Shape {
+        Callback::new_paint_callback(rect, self).into()
+    }
+}
+
+impl CallbackTrait for SpherePaint {
+    fn prepare(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        _screen: &ScreenDescriptor,
+        _encoder: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        let input = SphereInput {
+            ndf: &self.data.picture,
+            lobes: &self.lobes,
+            view_from_tangent: self.orbit.view_from_tangent().as_mat3(),
+            layers: self.layers,
+            size_px: self.size_px,
+            px_per_point: self.px_per_point,
+        };
+        resource(resources, || SpherePass::new(device, self.format)).prepare(queue, &input, self.data_revision);
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        _info: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        if let Some(sphere) = resources.get::<SpherePass>() {
+            sphere.draw(pass);
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! The window without a window: the same inspector, run pass by pass and drawn into a texture.
+//!
+//! Time stands at fixed steps, nothing moves by itself, and figures that differ from run to run are left out, so the
+//! picture of a session is the same every time.
+
+use egui::{Event, RawInput, Rect, ViewportId, vec2};
+use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
+
+use crate::app::inspector::{Inspector, Surroundings, wake_of};
+use crate::app::viewport::PaintTarget;
+use crate::gpu::frame::FrameBudget;
+use crate::gpu::readback::{self, ReadbackError};
+use crate::gpu::Gpu;
+use crate::jobs::Wake;
+use crate::session::Session;
+use crate::wgpu;
+
+/// How a picture of the window is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScreenshotSettings {
+    /// Pixels across and down.
+    pub size: [u32; 2],
+    /// Pixels per point: 2 draws everything twice as large.
+    pub px_per_point: f32,
+    /// Waits until the fit, the uploads and the truth are done.
+    pub wait: bool,
+}
+
+impl Default for ScreenshotSettings {
+    fn default() -> Self {
+        Self { size: [1280, 800], px_per_point: 1.0, wait: true }
+    }
+}
+
+/// A picture, sRGB, four bytes a pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Screenshot {
+    /// Pixels across and down.
+    pub size: [u32; 2],
+    /// Row by row from the top.
+    pub rgba: Vec<u8>,
+}
+
+/// Passes without waiting: sizes settle in three, textures and callbacks follow.
+const LEAST_PASSES: usize = 4;
+
+/// Seconds between two passes.
+const TIME_STEP: f64 = 1.0 / 60.0;
+
+/// An inspector without a window.
+pub struct Headless<'a> {
+    /// The inspector that is shown.
+    pub inspector: Inspector,
+    ctx: egui::Context,
+    renderer: Renderer,
+    target: wgpu::Texture,
+    gpu: &'a Gpu,
+    settings: ScreenshotSettings,
+    passes: usize,
+}
+
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+impl<'a> Headless<'a> {
+    /// Shows the session that `make` builds.
+    pub fn new(gpu: &'a Gpu, settings: ScreenshotSettings, make: impl FnOnce(Wake) -> Session) -> Self {
+        let ctx = egui::Context::default();
+        let budget = FrameBudget { truth_batch: 64, upload_bytes: 256 << 20, ..Default::default() };
+        let target = PaintTarget { format: FORMAT, budget, ..Default::default() };
+        let surroundings = Surroundings { adapter: gpu.choice.clone(), target, live: false };
+        let inspector = Inspector::new(&ctx, make(wake_of(&ctx)), surroundings);
+        let renderer = Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE);
+        let target = target_texture(&gpu.device, settings.size);
+        Self { inspector, ctx, renderer, target, gpu, settings, passes: 0 }
+    }
+
+    /// Runs passes until nothing moves any more (or, without waiting, until the layout has settled), then reads the
+    /// picture.
+    pub fn screenshot(&mut self) -> Result<Screenshot, ReadbackError> {
+        loop {
+            self.pass(Vec::new())?;
+            let settled = !self.settings.wait || self.inspector.is_settled() && !self.ctx.has_requested_repaint();
+            if self.passes >= LEAST_PASSES && settled {
+                break;
+            }
+            if self.inspector.session.fitting().is_running() || self.inspector.session.is_opening() {
+                // The jobs need the cores more than idle passes do.
+                self.inspector.session.wait(std::time::Duration::from_millis(20));
+            }
+        }
+        let rgba = readback::read_bytes(&self.gpu.device, &self.gpu.queue, &self.target)?;
+        Ok(Screenshot { size: self.settings.size, rgba })
+    }
+
+    /// One pass of the window with these events, drawn.
+    pub fn pass(&mut self, events: Vec<Event>) -> Result<(), ReadbackError> {
+        let input = self.input(events);
+        self.passes += 1;
+        let ctx = self.ctx.clone();
+        let output = ctx.run_ui(input, |ui| {
+            self.inspector.logic(ui.ctx());
+            self.inspector.ui(ui);
+        });
+        self.draw(output)
+    }
+
+    fn input(&self, events: Vec<Event>) -> RawInput {
+        let [width, height] = self.settings.size.map(|pixels| pixels as f32 / self.settings.px_per_point);
+        let mut input = RawInput {
+            screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, vec2(width, height))),
+            max_texture_side: Some(self.gpu.device.limits().max_texture_dimension_2d as usize),
+            time: Some(self.passes as f64 * TIME_STEP),
+            predicted_dt: TIME_STEP as f32,
+            events,
+            focused: true,
+            ..Default::default()
+        };
+        input.viewports.entry(ViewportId::ROOT).or_default().native_pixels_per_point = Some(self.settings.px_per_point);
+        input
+    }
+
+    fn draw(&mut self, mut output: egui::FullOutput) -> Result<(), ReadbackError> {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        for (id, deltas) in output.textures_delta.set.drain() {
+            for delta in deltas {
+                self.renderer.update_texture(device, queue, id, &delta);
+            }
+        }
+        let primitives = self.ctx.tessellate(output.shapes, output.pixels_per_point);
+        let screen = ScreenDescriptor { size_in_pixels: self.settings.size, pixels_per_point: output.pixels_per_point };
+        let label = wgpu::CommandEncoderDescriptor { label: Some("window") };
+        let mut encoder = device.create_command_encoder(&label);
+        let more = self.renderer.update_buffers(device, queue, &mut encoder, &primitives, &screen);
+        let view = self.target.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut pass = encoder
+            .begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("window"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+                })],
+                ..Default::default()
+            })
+            .forget_lifetime();
+        self.renderer.render(&mut pass, &primitives, &screen);
+        drop(pass);
+        queue.submit(more.into_iter().chain([encoder.finish()]));
+        output.textures_delta.free.drain().for_each(|id| self.renderer.free_texture(&id));
+        let waited = device.poll(wgpu::PollType::wait_indefinitely());
+        waited.map(drop).map_err(|error| ReadbackError::Device(error.to_string()))
+    }
+}
+
+fn target_texture(device: &wgpu::Device, [width, height]: [u32; 2]) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("window"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: FORMAT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
