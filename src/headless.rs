@@ -8,12 +8,11 @@ use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 
 use crate::app::inspector::{Inspector, Surroundings, wake_of};
 use crate::app::viewport::PaintTarget;
+use crate::gpu::Gpu;
 use crate::gpu::frame::FrameBudget;
 use crate::gpu::readback::{self, ReadbackError};
-use crate::gpu::Gpu;
 use crate::jobs::Wake;
 use crate::session::Session;
-use crate::wgpu;
 
 /// How a picture of the window is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,7 +138,10 @@ impl<'a> Headless<'a> {
                     view: &view,
                     depth_slice: None,
                     resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
                 })],
                 ..Default::default()
             })

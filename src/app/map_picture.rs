@@ -162,8 +162,8 @@ pub fn image(
     let columns: Vec<usize> = (0..px[0])
         .map(|i| index(projection.uv(pos2(area.min.x + (i as f32 + 0.5) * step.x, area.min.y)).x, width))
         .collect();
-    let rows = (0..px[1])
-        .map(|i| index(projection.uv(pos2(area.min.x, area.min.y + (i as f32 + 0.5) * step.y)).y, height));
+    let rows =
+        (0..px[1]).map(|i| index(projection.uv(pos2(area.min.x, area.min.y + (i as f32 + 0.5) * step.y)).y, height));
     let painter = TexelPainter::new(session, shading, level);
     let pixels = rows.flat_map(|y| columns.iter().map(move |&x| (x, y))).map(|(x, y)| painter.color(x, y)).collect();
     ColorImage::new(px, pixels)
@@ -175,9 +175,8 @@ pub fn thumbnail(session: &Session, shading: MapShading, level: usize, side: usi
     let shrink = (width.max(height)).div_ceil(side).max(1);
     let px = [(width / shrink).max(1), (height / shrink).max(1)];
     let painter = TexelPainter::new(session, shading, level);
-    let pixels = (0..px[0] * px[1])
-        .map(|i| painter.color((i % px[0]) * width / px[0], (i / px[0]) * height / px[1]))
-        .collect();
+    let pixels =
+        (0..px[0] * px[1]).map(|i| painter.color((i % px[0]) * width / px[0], (i / px[0]) * height / px[1])).collect();
     ColorImage::new(px, pixels)
 }
 

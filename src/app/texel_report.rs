@@ -152,12 +152,7 @@ impl TexelReport {
 
 fn gather(map: &NormalMap, texel: Texel) -> TexelData {
     let ndf = Ndf::of_texel(map, texel);
-    TexelData {
-        texel,
-        picture: NdfPicture::new(ndf.samples()),
-        normals: ndf.len(),
-        mean_length: ndf.mean().length(),
-    }
+    TexelData { texel, picture: NdfPicture::new(ndf.samples()), normals: ndf.len(), mean_length: ndf.mean().length() }
 }
 
 /// The lobes of a texel as they are shown: merged as the preview merges them.

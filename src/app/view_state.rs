@@ -20,8 +20,7 @@ pub enum Layout {
 
 impl Layout {
     /// Every layout with its name, in the order they are offered.
-    pub const ALL: [(Self, &'static str); 3] =
-        [(Self::Surface, "Surface"), (Self::Split, "Split"), (Self::Map, "Map")];
+    pub const ALL: [(Self, &'static str); 3] = [(Self::Surface, "Surface"), (Self::Split, "Split"), (Self::Map, "Map")];
 }
 
 /// What a level's picture shows of its texels.

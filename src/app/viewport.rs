@@ -9,15 +9,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescriptor};
 
 use crate::filter::Method;
-use crate::filter::vmf::{Fold, LobePyramid};
 use crate::filter::PlainMip;
+use crate::filter::vmf::{Fold, LobePyramid};
 use crate::gpu::frame::{FrameBudget, FrameInput, SurfaceFrame};
 use crate::gpu::passes::sphere::{SphereInput, SphereLayers, SpherePass};
 use crate::lit_surface::LitSurface;
 use crate::scene::SphereOrbit;
 use crate::session::{Comparison, Session};
 use crate::sphere::Lobe;
-use crate::wgpu;
 
 use super::texel_report::TexelData;
 

@@ -210,9 +210,8 @@ fn splat_point(density: &mut [f32], centres: &CellCentres, reach: i64, kappa: f3
 
 fn cell_directions() -> Vec<DVec3> {
     let size = DENSITY_SIZE as f64;
-    let centre = |index: usize| {
-        DVec2::new((index % DENSITY_SIZE) as f64 + 0.5, (index / DENSITY_SIZE) as f64 + 0.5) / size
-    };
+    let centre =
+        |index: usize| DVec2::new((index % DENSITY_SIZE) as f64 + 0.5, (index / DENSITY_SIZE) as f64 + 0.5) / size;
     (0..DENSITY_SIZE * DENSITY_SIZE).map(|index| direction_from_octahedral(centre(index))).collect()
 }
 

@@ -152,11 +152,8 @@ fn progress(ui: &mut Ui, context: &mut PanelContext<'_>) {
         let text = RichText::new(text).small().color(theme::STRONG);
         let bar = ProgressBar::new(fraction).desired_width(width).desired_height(theme::ROW).corner_radius(4);
         ui.add(bar.fill(color).text(text)).on_hover_text("How far the fit is, all levels together");
-        let (name, command) = if fitting.is_running() {
-            ("Cancel", Command::CancelFit)
-        } else {
-            ("Refit", Command::Refit)
-        };
+        let (name, command) =
+            if fitting.is_running() { ("Cancel", Command::CancelFit) } else { ("Refit", Command::Refit) };
         if ui.add_sized([56.0, theme::ROW], egui::Button::new(name)).accessible_name(format!("{name} fit")).clicked() {
             context.push(command);
         }

@@ -31,7 +31,13 @@ pub fn show(ui: &mut Ui, fit: &TexelFit) {
     row(ui, |ui, rect| {
         for (index, (heading, meaning)) in COLUMNS.iter().enumerate() {
             let cell = cell(rect, index);
-            ui.painter().text(cell.right_center(), Align2::RIGHT_CENTER, heading, FontId::proportional(11.0), theme::WEAK);
+            ui.painter().text(
+                cell.right_center(),
+                Align2::RIGHT_CENTER,
+                heading,
+                FontId::proportional(11.0),
+                theme::WEAK,
+            );
             ui.interact(cell, ui.id().with(*heading), Sense::hover()).on_hover_text(*meaning);
         }
     });

@@ -52,11 +52,11 @@ fn thumbnail(ui: &mut Ui, context: &mut PanelContext<'_>, level: usize, side: f3
         let shown = (vec2(size.0 as f32, size.1 as f32) * side / longer).max(Vec2::splat(2.0));
         let rect = Rect::from_center_size(cell.center(), shown);
         let pixels = (side * ui.pixels_per_point()).round() as usize;
-        let texture =
-            context.textures.thumbnail(ui.ctx(), context.session, context.view.map.shading, level, pixels);
+        let texture = context.textures.thumbnail(ui.ctx(), context.session, context.view.map.shading, level, pixels);
         ui.painter().rect_filled(cell, 0.0, theme::CANVAS);
         ui.painter().image(texture, rect, WHOLE, Color32::WHITE);
-        let projection = MapProjection::new(rect, (context.session.map().width, context.session.map().height), &Default::default());
+        let projection =
+            MapProjection::new(rect, (context.session.map().width, context.session.map().height), &Default::default());
         point_at(context, &response, &projection, level);
         frame(ui.painter(), context.session, cell, &projection, level, response.hovered());
         caption(ui, context.session, level, side);

@@ -30,8 +30,7 @@ fn heading(ui: &mut Ui, context: &mut PanelContext<'_>) {
     ui.horizontal(|ui| {
         super::heading(ui, &format!("Texel {}, {} of level {}", texel.x, texel.y, texel.level));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let choices =
-                [(SphereOrbit::default(), "Free"), (SphereOrbit::SIDE, "Side"), (SphereOrbit::TOP, "Top")];
+            let choices = [(SphereOrbit::default(), "Free"), (SphereOrbit::SIDE, "Side"), (SphereOrbit::TOP, "Top")];
             segmented(ui, "Sphere from", &mut context.view.sphere_orbit, &choices);
         });
     });

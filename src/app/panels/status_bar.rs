@@ -17,7 +17,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, hover: Option<&str>) {
         );
         ui.label(RichText::new(fit_sentence(context)).small().color(theme::WEAK));
         if context.surroundings.target.status.get().left_out > 0 {
-            let text = format!("the finest {} levels exceed the adapter", context.surroundings.target.status.get().left_out);
+            let text =
+                format!("the finest {} levels exceed the adapter", context.surroundings.target.status.get().left_out);
             ui.label(RichText::new(text).small().color(theme::WARNING));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

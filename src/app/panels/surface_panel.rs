@@ -85,8 +85,8 @@ fn steer(ui: &Ui, context: &mut PanelContext<'_>, response: &Response) {
     let mut surface = context.session.surface;
     let delta = response.drag_delta();
     let light_key = ui.input(|input| input.key_down(egui::Key::L));
-    let moves_light = response.dragged_by(PointerButton::Secondary)
-        || light_key && response.dragged_by(PointerButton::Primary);
+    let moves_light =
+        response.dragged_by(PointerButton::Secondary) || light_key && response.dragged_by(PointerButton::Primary);
     if moves_light {
         drag_light(&mut surface, delta);
     } else if response.dragged() {

@@ -9,7 +9,6 @@ use crate::color::{LOBE_COLORS, heat};
 use crate::reference::ndf_density::{DENSITY_SIZE, MAX_POINTS, NdfPicture};
 use crate::sphere::Lobe;
 use crate::sphere::mixture::MAX_LOBES;
-use crate::wgpu;
 
 /// The sphere's diameter over the shorter side of its view; the rest is for pins and labels.
 pub const FILL: f64 = 0.84;
