@@ -6,11 +6,16 @@ pub mod options;
 pub mod probe;
 pub mod render;
 pub mod sample;
+pub mod screenshot;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Parser, Subcommand};
 use options::MapArguments;
+
+use crate::app::window;
+use crate::normal_map::MapOptions;
+use crate::session::Session;
 
 /// Shows what happens to a normal map when it is filtered.
 #[derive(Debug, Parser)]
@@ -35,10 +40,29 @@ pub enum Command {
     Probe(probe::ProbeCommand),
     /// The lit surface alone, without a window.
     Render(render::RenderCommand),
+    /// The whole window as a PNG, without a display.
+    Screenshot(screenshot::ScreenshotCommand),
     /// Write a bundled map, or list them.
     Sample(sample::SampleCommand),
     /// What graphics adapter would be used, and why.
     Adapters,
+}
+
+/// Opens the window on a map, or on the bundled sample.
+///
+/// # Errors
+/// One sentence that says why there is no window, and what to do instead.
+pub fn open_window(map: Option<&Path>, arguments: &MapArguments) -> anyhow::Result<()> {
+    let request = map.map(|path| arguments.request(path, MapOptions::default()));
+    Ok(window::run(move |wake| {
+        let mut session = Session::new(wake);
+        session.remember_recent();
+        session.refit();
+        if let Some(request) = request {
+            session.open(request);
+        }
+        session
+    })?)
 }
 
 /// Carries out a command.
@@ -50,6 +74,7 @@ pub fn run(command: Command) -> anyhow::Result<()> {
         Command::Fit(command) => command.run(),
         Command::Probe(command) => command.run(),
         Command::Render(command) => command.run(),
+        Command::Screenshot(command) => command.run(),
         Command::Sample(command) => command.run(),
         Command::Adapters => adapters::run(),
     }

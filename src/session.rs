@@ -149,6 +149,11 @@ impl Session {
         self.start_fit();
     }
 
+    /// Calls `wake` from now on when a job has news.
+    pub fn set_wake(&mut self, wake: Wake) {
+        self.wake = wake;
+    }
+
     /// Fits on this many threads from the next start on, or on one per core.
     pub fn set_threads(&mut self, threads: Option<usize>) {
         self.fitting.set_threads(threads);

@@ -23,11 +23,16 @@ const COARSE_WEIGHT: f32 = 4.0;
 /// A slot that no pass has chosen yet.
 const UNVISITED: u8 = u8::MAX;
 
-/// Chooses every base texel's slot; slot 0 everywhere for a map of one level or a fit of one lobe.
+/// Slot 0 for every base texel: for lobes that are not aligned, or alone.
+pub fn first(texels: usize) -> BaseSlots {
+    BaseSlots { slots: vec![0; texels] }
+}
+
+/// Chooses every base texel's slot; the first everywhere for a map of one level or a fit of one lobe.
 pub fn choose(lobes: &LobePyramid, monitor: &Monitor) -> Result<BaseSlots, Cancelled> {
     let map = &lobes.map;
     let Some(coarse) = lobes.level(1).filter(|coarse| coarse.lobes > 1) else {
-        return Ok(BaseSlots { slots: vec![0; map.len()] });
+        return Ok(first(map.len()));
     };
     let mut slots = vec![UNVISITED; map.len()];
     let mut chosen = Vec::new();

@@ -194,7 +194,8 @@ pub fn fit(
             keep(&mut lobes, level, mixtures, stats, true, report);
         }
     }
-    let base = Arc::new(base_slots::choose(&lobes, monitor)?);
+    let base = if aligns { base_slots::choose(&lobes, monitor)? } else { base_slots::first(map.len()) };
+    let base = Arc::new(base);
     lobes.base = Some(Arc::clone(&base));
     report(FitEvent::Base(base));
     Ok(lobes)
