@@ -100,7 +100,9 @@ impl Inspector {
             ui.ctx().request_repaint();
         }
         self.hover = hover;
-        commands.into_iter().for_each(|command| command.run(&mut self.session));
+        for command in commands {
+            command.run(&mut self.session);
+        }
     }
 
     fn open_dropped(&mut self, ctx: &egui::Context) {

@@ -1,5 +1,6 @@
 //! The native window: which adapter draws it, and what is said where none can open.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use eframe::{CreationContext, Frame, NativeOptions};
@@ -121,19 +122,19 @@ fn check_display() -> Result<(), WindowError> {
 fn library_is_there(file: &str) -> bool {
     let own = std::env::var("LD_LIBRARY_PATH").unwrap_or_default();
     let system = ["/lib", "/lib64", "/usr/lib", "/usr/lib64", "/usr/local/lib"];
-    let mut folders: Vec<std::path::PathBuf> = own.split(':').filter(|f| !f.is_empty()).map(Into::into).collect();
+    let mut folders: Vec<PathBuf> = own.split(':').filter(|f| !f.is_empty()).map(Into::into).collect();
     folders.extend(system.iter().map(Into::into));
-    let below = |folder: &std::path::Path| -> Vec<std::path::PathBuf> {
+    let below = |folder: &Path| -> Vec<PathBuf> {
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
         entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect()
     };
     let nested: Vec<_> = folders.iter().flat_map(|folder| below(folder)).collect();
     folders.extend(nested);
     let mut present = folders.iter().filter(|folder| folder.is_dir()).peekable();
-    present.peek().is_none() || present.any(|folder| folder.join(file).exists()) || !folders.iter().any(has_libc)
+    present.peek().is_none() || present.any(|folder| folder.join(file).exists()) || !folders.iter().any(|folder| has_libc(folder))
 }
 
-fn has_libc(folder: &std::path::PathBuf) -> bool {
+fn has_libc(folder: &Path) -> bool {
     folder.join("libc.so.6").exists()
 }
 
@@ -142,6 +143,6 @@ fn explain(error: &eframe::Error) -> WindowError {
     match error {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => WindowError::NoDisplay(text),
         eframe::Error::Wgpu(_) => WindowError::NoAdapter(text),
-        _ => WindowError::Other(text),
+        eframe::Error::AppCreation(_) => WindowError::Other(text),
     }
 }
