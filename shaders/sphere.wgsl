@@ -158,8 +158,8 @@ fn place_point(@builtin(vertex_index) index: u32, @location(0) point_and_radius:
 fn draw_point(vertex: PointVertex) -> @location(0) vec4f {
     let distance_px = length(vertex.offset_px);
     let dot_coverage = clamp(vertex.radius_px + 0.5 - distance_px, 0.0, 1.0);
-    let shadow = clamp(vertex.radius_px + 1.3 - distance_px, 0.0, 1.0);
-    return over(ink(vec3f(0.93, 0.95, 1.0), dot_coverage * 0.8), ink(SHADOW, shadow * 0.35));
+    let shadow = clamp(vertex.radius_px + min(vertex.radius_px, 1.0) + 0.3 - distance_px, 0.0, 1.0);
+    return over(ink(vec3f(0.93, 0.95, 1.0), dot_coverage * 0.75), ink(SHADOW, shadow * 0.35));
 }
 
 fn ring(in_disc: vec2f, height: f32, lobe: LobeMark) -> vec4f {
@@ -171,7 +171,7 @@ fn ring(in_disc: vec2f, height: f32, lobe: LobeMark) -> vec4f {
 
 // The tip of a lobe's pin, in radii: its length above the sphere reads as the weight.
 fn pin_tip(lobe: LobeMark) -> vec2f {
-    return lobe.mu_in_view.xy * (1.03 + 0.3 * lobe.weight);
+    return lobe.mu_in_view.xy * (1.02 + 0.16 * lobe.weight);
 }
 
 fn segment_distance(point: vec2f, a: vec2f, b: vec2f) -> f32 {

@@ -124,6 +124,12 @@ impl Inspector {
     }
 }
 
+/// Names the edge that resizes a panel, which the toolkit names alike for all; a test holds that names are unique.
+fn name_edge(ui: &egui::Ui, panel: &str, name: &str) {
+    let edge = ui.scope_id().with_salt(egui::IdSalt::new(panel)).with("__resize");
+    ui.ctx().accesskit_node_builder(edge, |node| node.set_label(name));
+}
+
 fn lay_out(ui: &mut egui::Ui, context: &mut PanelContext<'_>, hover: Option<&str>) {
     let bar = Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(12, 5));
     let side = Frame::new().fill(theme::PANEL).inner_margin(Margin { left: 12, right: 6, top: 8, bottom: 4 });
@@ -132,8 +138,10 @@ fn lay_out(ui: &mut egui::Ui, context: &mut PanelContext<'_>, hover: Option<&str
     Panel::bottom("status bar").frame(bar).show(ui, |ui| status_bar::show(ui, context, hover));
     let controls = Panel::left("controls").frame(side).default_size(272.0).size_range(248.0..=420.0);
     controls.show(ui, |ui| controls::show(ui, context));
+    name_edge(ui, "controls", "Resize controls");
     let sphere = Panel::right("sphere").frame(side).default_size(316.0).size_range(280.0..=560.0);
     sphere.show(ui, |ui| sphere_panel::show(ui, context));
+    name_edge(ui, "sphere", "Resize sphere panel");
     Panel::bottom("levels").frame(bar).show(ui, |ui| map_panel::strip(ui, context));
     CentralPanel::no_frame().frame(picture).show(ui, |ui| match context.view.layout {
         Layout::Surface => surface_panel::show(ui, context),

@@ -37,7 +37,7 @@ impl Parameter {
         let before = *value;
         let row = ui.horizontal(|ui| {
             let label = label(ui, self.name);
-            let slider = self.slider(ui, value);
+            let slider = self.slider(ui, value).labelled_by(label.id);
             let typed = self.typed(ui, value);
             [label, slider, typed]
         });
@@ -77,7 +77,7 @@ impl Parameter {
         let height = std::mem::replace(&mut ui.spacing_mut().interact_size.y, theme::HANDLE);
         let slider = Slider::new(value, low..=high).show_value(false).logarithmic(self.logarithmic);
         let slider = if self.decimals == 0 { slider.integer() } else { slider.max_decimals(self.decimals) };
-        let response = ui.add(slider).interact(Sense::click()).accessible_name(self.name);
+        let response = ui.add(slider).interact(Sense::click());
         ui.spacing_mut().interact_size.y = height;
         response
     }
@@ -123,8 +123,8 @@ pub fn choice<T: Copy + PartialEq>(
 ) -> Option<T> {
     let mut chosen = current;
     ui.horizontal(|ui| {
-        label(ui, name).on_hover_text(tooltip);
-        combo(ui, name, &mut chosen, choices).on_hover_text(tooltip);
+        let label = label(ui, name).on_hover_text(tooltip);
+        combo(ui, name, &mut chosen, choices).labelled_by(label.id).on_hover_text(tooltip);
     });
     (chosen != current).then_some(chosen)
 }

@@ -89,7 +89,7 @@ fn inspector(creation: &CreationContext<'_>, make: impl FnOnce(Wake) -> Session)
 }
 
 /// Our own ranking of adapters and our own limits.
-fn wgpu_setup() -> WgpuSetup {
+pub fn wgpu_setup() -> WgpuSetup {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
     setup.native_adapter_selector =
         Some(Arc::new(|adapters, surface| context::select(adapters, surface).map_err(|error| error.to_string())));

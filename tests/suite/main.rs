@@ -5,3 +5,4 @@ mod fit;
 mod gpu;
 mod house;
 mod opening;
+mod window;

@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, fit: &TexelFit) {
                 FontId::proportional(11.0),
                 theme::WEAK,
             );
-            ui.interact(cell, ui.id().with(*heading), Sense::hover()).on_hover_text(*meaning);
+            ui.interact(cell, ui.scope_id().with(*heading), Sense::hover()).on_hover_text(*meaning);
         }
     });
     for (slot, lobe) in &fit.mixture.lobes {

@@ -6,12 +6,16 @@
 use glam::{DVec3, Mat3};
 
 use crate::color::{LOBE_COLORS, heat};
+use crate::gpu::layout;
 use crate::reference::ndf_density::{DENSITY_SIZE, MAX_POINTS, NdfPicture};
 use crate::sphere::Lobe;
 use crate::sphere::mixture::MAX_LOBES;
 
+/// The shader's parts, in order.
+pub const SHADER: [&str; 1] = [include_str!("../../../shaders/sphere.wgsl")];
+
 /// The sphere's diameter over the shorter side of its view; the rest is for pins and labels.
-pub const FILL: f64 = 0.84;
+pub const FILL: f64 = 0.83;
 
 /// Decades below the peak that the logarithmic scale covers.
 pub const LOG_DECADES: f32 = 4.0;
@@ -116,28 +120,23 @@ pub struct SpherePass {
 impl SpherePass {
     /// Builds the pipelines for a colour target of `format`.
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
-        let layout = bind_group_layout(device);
-        let pipeline = PipelineMaker::new(device, &layout, format);
-        let uniforms = buffer::<gpu_data::Sphere>(device, "sphere uniforms", 1, wgpu::BufferUsages::UNIFORM);
+        // Read by textureLoad and interpolated by hand, so that 32-bit textures need no filtering.
+        let sample_type = wgpu::TextureSampleType::Float { filterable: false };
+        let types = [layout::UNIFORM, layout::texture(sample_type, wgpu::TextureViewDimension::D2)];
+        let group = layout::bind_group_layout(device, "sphere", wgpu::ShaderStages::VERTEX_FRAGMENT, &types);
+        let pipeline = PipelineMaker::new(device, &group, format);
+        let uniforms = layout::uniform_buffer::<gpu_data::Sphere>(device, "sphere");
         let density = density_texture(device);
-        let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("sphere"),
-            layout: &layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::TextureView(&density.create_view(&Default::default())),
-                },
-            ],
-        });
+        let view = density.create_view(&wgpu::TextureViewDescriptor::default());
+        let resources = [uniforms.as_entire_binding(), wgpu::BindingResource::TextureView(&view)];
+        let bindings = layout::bind_group(device, "sphere", &group, &resources);
         Self {
             surface: pipeline.make("sphere surface", "cover", "surface", false),
             points: pipeline.make("sphere points", "place_point", "draw_point", true),
             lobes: pipeline.make("sphere lobes", "cover", "draw_lobes", false),
             uniforms,
             density,
-            point_buffer: buffer::<[f32; 4]>(device, "sphere points", MAX_POINTS, wgpu::BufferUsages::VERTEX),
+            point_buffer: vertex_buffer(device),
             bindings,
             uploaded: None,
             point_count: 0,
@@ -188,7 +187,7 @@ impl SpherePass {
 /// Radius of a dot in points: its area reads as the weight, within what stays visible and apart; many are small.
 fn point_instances(points: &[(DVec3, f64)]) -> Vec<[f32; 4]> {
     let mean = 1.0 / points.len().max(1) as f64;
-    let typical = (40.0 * mean.sqrt()).clamp(0.5, 1.8);
+    let typical = (30.0 * mean.sqrt()).clamp(0.4, 1.8);
     let instance = |&(direction, weight): &(DVec3, f64)| {
         let radius = (typical * (weight / mean).sqrt()).clamp(0.4, 3.0);
         direction.extend(radius).as_vec4().to_array()
@@ -238,11 +237,11 @@ fn unit_rgb(rgb: [u8; 3], fourth: f32) -> [f32; 4] {
     [r, g, b, fourth]
 }
 
-fn buffer<T>(device: &wgpu::Device, label: &str, count: usize, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+fn vertex_buffer(device: &wgpu::Device) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size: (count * size_of::<T>()) as u64,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
+        label: Some("sphere points"),
+        size: (MAX_POINTS * size_of::<[f32; 4]>()) as u64,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
 }
@@ -261,28 +260,6 @@ fn density_texture(device: &wgpu::Device) -> wgpu::Texture {
     })
 }
 
-fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-    let uniform = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    // Read by textureLoad and interpolated by hand, so that 32-bit textures need no filtering.
-    let texture = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: false },
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("sphere"),
-        entries: &[
-            entry(0, wgpu::ShaderStages::VERTEX_FRAGMENT, uniform),
-            entry(1, wgpu::ShaderStages::FRAGMENT, texture),
-        ],
-    })
-}
-
 /// What the three pipelines share.
 struct PipelineMaker<'a> {
     device: &'a wgpu::Device,
@@ -292,14 +269,11 @@ struct PipelineMaker<'a> {
 }
 
 impl<'a> PipelineMaker<'a> {
-    fn new(device: &'a wgpu::Device, layout: &wgpu::BindGroupLayout, format: wgpu::TextureFormat) -> Self {
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("sphere"),
-            source: wgpu::ShaderSource::Wgsl(include_str!("../../../shaders/sphere.wgsl").into()),
-        });
+    fn new(device: &'a wgpu::Device, group: &wgpu::BindGroupLayout, format: wgpu::TextureFormat) -> Self {
+        let module = layout::shader(device, "sphere", &SHADER);
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sphere"),
-            bind_group_layouts: &[Some(layout)],
+            bind_group_layouts: &[Some(group)],
             immediate_size: 0,
         });
         Self { device, module, layout, format }

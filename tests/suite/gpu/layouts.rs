@@ -3,6 +3,7 @@
 use std::mem::offset_of;
 
 use ndf_inspector::gpu::passes::compare::{self, CompareData};
+use ndf_inspector::gpu::passes::sphere::{self, gpu_data};
 use ndf_inspector::gpu::passes::surface::{self, FrameData};
 use wgpu::naga;
 
@@ -66,4 +67,26 @@ fn the_compare_shader_is_valid_and_lays_out_its_constants_as_rust_does() {
     let module = parse(&compare::SHADER);
     let rust = rust_layout!(CompareData { left_scale, right_scale, wipe, divider });
     assert_eq!(layout(&module, "Compare"), rust);
+}
+
+#[test]
+fn the_sphere_shader_is_valid_and_lays_out_its_structures_as_rust_does() {
+    let module = parse(&sphere::SHADER);
+    let rust = rust_layout!(gpu_data::Sphere {
+        view_from_tangent,
+        size_px,
+        radii_per_px,
+        px_per_point,
+        density_peak,
+        log_decades,
+        density_shown,
+        lobe_count,
+        heat,
+        lobes,
+    });
+    assert_eq!(layout(&module, "Sphere"), rust);
+    assert_eq!(
+        layout(&module, "LobeMark"),
+        rust_layout!(gpu_data::LobeMark { mu_in_view, ring_cosine, color, weight })
+    );
 }

@@ -1,0 +1,217 @@
+//! What the window does.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use egui::{PointerButton, ViewportId, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use ndf_inspector::app::view_state::Layout;
+use ndf_inspector::filter::vmf::Fold;
+use ndf_inspector::normal_map::MapSource;
+use ndf_inspector::normal_map::pyramid::Texel;
+
+use super::{Window, fitted, session, settle, window};
+
+fn step_until(window: &mut Window, what: &str, done: impl Fn(&Window) -> bool) {
+    let start = Instant::now();
+    while !done(window) {
+        assert!(start.elapsed() < Duration::from_secs(30), "waited in vain for {what}");
+        std::thread::sleep(Duration::from_millis(10));
+        window.step();
+    }
+}
+
+/// Every name that a control carries, and how often.
+fn names(window: &Window) -> BTreeMap<String, usize> {
+    let mut names = BTreeMap::new();
+    for node in window.root().children_recursive() {
+        let node = node.accesskit_node();
+        if egui::accessibility::is_input(node.role()) {
+            *names.entry(node.label().unwrap_or_default()).or_default() += 1;
+        }
+    }
+    names
+}
+
+#[test]
+fn every_control_has_a_name_of_its_own() {
+    let mut window = window(fitted("pyramid5", 64));
+    for layout in [Layout::Surface, Layout::Split, Layout::Map] {
+        window.state_mut().inspector.view.layout = layout;
+        window.run();
+        let names = names(&window);
+        assert!(names.len() > 30, "only {} controls: {names:?}", names.len());
+        let wrong: Vec<_> = names.iter().filter(|(name, count)| name.trim().is_empty() || **count > 1).collect();
+        assert!(wrong.is_empty(), "unnamed or doubled in {layout:?}: {wrong:?}");
+    }
+}
+
+#[test]
+fn moving_the_lobe_count_shows_a_preview_in_the_next_frame_and_then_the_fit() {
+    let mut window = window(fitted("pyramid5", 64));
+    window.get_by_label("Lobes J").set_value_accesskit(2.0);
+    window.step();
+    window.step();
+    let fitting = window.state().inspector.session.fitting();
+    assert_eq!(fitting.settings().lobes, 2);
+    assert!(fitting.is_complete() || fitting.fold() != Fold::default(), "neither a preview nor the fit");
+    step_until(&mut window, "the fit", |window| window.state().inspector.session.fitting().is_complete());
+    assert_eq!(window.state().inspector.session.lobes().lobes(), 2);
+    assert_eq!(window.state().inspector.session.fitting().fold(), Fold::default());
+}
+
+#[test]
+fn a_path_that_cannot_be_read_says_so_and_keeps_the_map() {
+    let mut window = window(fitted("pyramid5", 64));
+    window.get_by_label("Path of an image").focus();
+    window.step();
+    window.get_by_label("Path of an image").type_text("/nowhere/bark.png");
+    window.key_press(egui::Key::Enter);
+    step_until(&mut window, "the sentence", |window| window.query_by_label("Dismiss message 1").is_some());
+    assert!(window.query_by_label_contains("/nowhere/bark.png").is_some(), "the sentence names no file");
+    let source = &window.state().inspector.session.map().source;
+    assert_eq!(*source, MapSource::Bundled("pyramid5"));
+    window.get_by_label("Dismiss message 1").click();
+    window.run();
+    assert!(window.query_by_label("Dismiss message 1").is_none());
+}
+
+#[test]
+fn an_idle_window_asks_for_no_repaint() {
+    let mut window = window(fitted("pyramid5", 64));
+    settle(&mut window);
+    for _ in 0..3 {
+        window.step();
+        window.render().expect("a picture");
+        let delay = window.output().viewport_output[&ViewportId::ROOT].repaint_delay;
+        assert_eq!(delay, Duration::MAX, "{:?}", window.ctx.repaint_causes());
+    }
+}
+
+#[test]
+fn a_click_on_a_level_selects_the_texel_under_it() {
+    let mut window = window(fitted("pyramid5", 64));
+    let level = window.get_by_label("Level 4").rect();
+    click(&mut window, level.min + vec2(0.3, 0.8) * level.size(), PointerButton::Primary);
+    assert_eq!(window.state().inspector.session.selected(), Texel { level: 4, x: 1, y: 3 });
+}
+
+#[test]
+fn a_click_on_the_surface_selects_the_texel_shaded_there_and_a_click_beside_it_none() {
+    let mut window = window(fitted("pyramid5", 64));
+    settle(&mut window);
+    window.state_mut().inspector.session.surface.level = ndf_inspector::lit_surface::LevelChoice::Fixed(3.0);
+    settle(&mut window);
+    let picture = window.get_by_label("Surface view").rect();
+    // A little right of and below the middle, clear of the wipe: the first texel of the repeat after the middle one.
+    click(&mut window, picture.center() + vec2(20.0, 4.0), PointerButton::Primary);
+    assert_eq!(window.state().inspector.session.selected(), Texel { level: 3, x: 0, y: 0 });
+    click(&mut window, picture.min + vec2(4.0, 120.0), PointerButton::Primary);
+    assert_eq!(window.state().inspector.session.selected(), Texel { level: 3, x: 0, y: 0 });
+}
+
+#[test]
+fn dragging_orbits_and_dragging_with_the_right_button_moves_the_light() {
+    let mut window = window(fitted("pyramid5", 64));
+    let before = window.state().inspector.session.surface;
+    let at = window.get_by_label("Surface view").rect().center() + vec2(60.0, 40.0);
+    drag(&mut window, at, vec2(50.0, 0.0), PointerButton::Primary);
+    let orbited = window.state().inspector.session.surface;
+    assert!(orbited.camera != before.camera && orbited.light == before.light);
+    drag(&mut window, at, vec2(50.0, 0.0), PointerButton::Secondary);
+    let lit = window.state().inspector.session.surface;
+    assert!(lit.camera == orbited.camera && lit.light != orbited.light);
+}
+
+#[test]
+fn the_wipe_follows_its_handle_and_a_double_click_brings_it_back() {
+    let mut window = window(fitted("pyramid5", 64));
+    let handle = window.get_by_label("Wipe handle").rect().center();
+    drag(&mut window, handle, vec2(-120.0, 0.0), PointerButton::Primary);
+    assert!(window.state().inspector.session.comparison.wipe < 0.4);
+    let handle = window.get_by_label("Wipe handle").rect().center();
+    double_click(&mut window, handle);
+    assert!((window.state().inspector.session.comparison.wipe - 0.5).abs() < 1e-6);
+}
+
+#[test]
+fn a_double_click_on_a_slider_resets_it() {
+    let mut window = window(fitted("pyramid5", 64));
+    window.get_by_label("Specular Ks").set_value_accesskit(1.5);
+    window.run();
+    assert!((window.state().inspector.session.surface.material.specular - 1.5).abs() < 1e-3);
+    let value = window.get_by_label("Specular Ks").rect().center();
+    double_click(&mut window, value);
+    let specular = window.state().inspector.session.surface.material.specular;
+    assert!((specular - 0.12).abs() < 1e-6, "{specular}");
+}
+
+#[test]
+fn a_running_fit_can_be_cancelled_and_started_again() {
+    let mut window = window(|wake| {
+        let mut session = session("plate", 512, wake);
+        session.begin(super::SETTINGS);
+        session
+    });
+    window.get_by_label("Cancel fit").click();
+    window.step();
+    window.step();
+    assert!(!window.state().inspector.session.fitting().is_running());
+    window.get_by_label("Refit fit").click();
+    window.step();
+    assert!(window.state().inspector.session.fitting().is_running());
+}
+
+#[test]
+fn a_dropped_file_is_opened() {
+    #[derive(Debug)]
+    struct Dropped(std::path::PathBuf);
+    impl egui::DroppedFile for Dropped {
+        fn path(&self) -> &std::path::Path {
+            &self.0
+        }
+        fn bytes(&self) -> Result<Vec<u8>, String> {
+            Err("only the path is to be used".to_owned())
+        }
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("dropped.png");
+    let rgb: Vec<u8> = [128, 128, 255].repeat(16);
+    ndf_inspector::image_io::write_png_rgb8(&path, 4, 4, &rgb).expect("written");
+    let mut window = window(fitted("pyramid5", 64));
+    window.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
+    window.step();
+    step_until(&mut window, "the map", |window| window.state().inspector.session.map().width == 4);
+}
+
+fn click(window: &mut Window, at: egui::Pos2, button: PointerButton) {
+    press(window, at, button, true);
+    press(window, at, button, false);
+    window.run();
+}
+
+fn double_click(window: &mut Window, at: egui::Pos2) {
+    for _ in 0..2 {
+        press(window, at, PointerButton::Primary, true);
+        press(window, at, PointerButton::Primary, false);
+    }
+    window.run();
+}
+
+fn drag<T>(window: &mut Harness<'static, T>, from: egui::Pos2, by: egui::Vec2, button: PointerButton) {
+    press(window, from, button, true);
+    for step in 1..=4 {
+        window.event(egui::Event::PointerMoved(from + by * (step as f32 / 4.0)));
+        window.step();
+    }
+    press(window, from + by, button, false);
+    window.run();
+}
+
+/// Moves there and presses or releases.
+fn press<T>(window: &mut Harness<'static, T>, pos: egui::Pos2, button: PointerButton, pressed: bool) {
+    window.event(egui::Event::PointerMoved(pos));
+    window.event(egui::Event::PointerButton { pos, button, pressed, modifiers: egui::Modifiers::NONE });
+    window.step();
+}

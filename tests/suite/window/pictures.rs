@@ -1,0 +1,116 @@
+//! What the window looks like. Few and small; `UPDATE_SNAPSHOTS=1` rewrites those that differ, to be looked at.
+
+use egui_kittest::kittest::Queryable;
+use egui_kittest::{SnapshotOptions, image_snapshot_options};
+use image::RgbaImage;
+use ndf_inspector::app::view_state::{Layout, MapShading, MapView};
+use ndf_inspector::filter::Method;
+use ndf_inspector::gpu::Gpu;
+use ndf_inspector::headless::{Headless, ScreenshotSettings};
+use ndf_inspector::scene::{ShapeKind, SphereOrbit};
+use ndf_inspector::session::Comparison;
+
+use super::{Window, fitted, session, settle, unheard, window};
+
+/// Software Vulkan of another version may round a shade differently (1 of 255 is far below `threshold`, which is in
+/// perceptual steps) and move an antialiased edge by a pixel here and there.
+fn compare(picture: &RgbaImage, name: &str) {
+    assert_not_flat(picture, name);
+    let options = SnapshotOptions::default().threshold(0.8).max_failed_pixels(40).output_path("tests/snapshots");
+    image_snapshot_options(picture, name, &options);
+}
+
+/// A picture of nothing compares well with a picture of nothing.
+fn assert_not_flat(picture: &RgbaImage, name: &str) {
+    let mut luma: Vec<u32> = picture.pixels().map(|p| p.0[..3].iter().map(|&c| u32::from(c)).sum()).collect();
+    luma.sort_unstable();
+    let (dark, bright) = (luma[luma.len() / 50], luma[luma.len() - 1 - luma.len() / 50]);
+    assert!(bright > dark + 60, "{name} is flat: {dark} to {bright}");
+}
+
+/// The part of the window that carries this name.
+fn part(window: &mut Window, label: &str) -> RgbaImage {
+    settle(window);
+    let rect = window.get_by_label(label).rect();
+    let whole = window.render().expect("a picture");
+    let [x, y, w, h] = [rect.left(), rect.top(), rect.width(), rect.height()].map(|v| v.round() as u32);
+    image::imageops::crop_imm(&whole, x, y, w, h).to_image()
+}
+
+#[test]
+fn the_surface_by_each_method_and_at_a_wipe() {
+    let mut window = window(fitted("plate", 128));
+    window.state_mut().inspector.session.surface.camera.distance = 6.0;
+    for (method, shape) in
+        [(Method::Truth, ShapeKind::Plane), (Method::Mip, ShapeKind::Sphere), (Method::Vmf, ShapeKind::Torus)]
+    {
+        let session = &mut window.state_mut().inspector.session;
+        session.comparison = Comparison { left: method, right: method, wipe: 0.5 };
+        session.surface.shape.kind = shape;
+        let picture = part(&mut window, "Surface view");
+        compare(&picture, &format!("surface_{method}"));
+    }
+    let session = &mut window.state_mut().inspector.session;
+    session.comparison = Comparison { left: Method::Truth, right: Method::Vmf, wipe: 0.4 };
+    session.surface.shape.kind = ShapeKind::Plane;
+    compare(&part(&mut window, "Surface view"), "surface_wipe");
+}
+
+#[test]
+fn the_sphere_from_above_and_from_the_side() {
+    let mut window = window(fitted("pyramid5", 64));
+    window.state_mut().inspector.session.select("6,0,0".parse().expect("a texel"));
+    window.state_mut().inspector.view.sphere_orbit = SphereOrbit::TOP;
+    compare(&part(&mut window, "Sphere view"), "sphere_top");
+    window.state_mut().inspector.view.sphere_orbit = SphereOrbit::SIDE;
+    window.state_mut().inspector.view.sphere_layers.logarithmic = false;
+    compare(&part(&mut window, "Sphere view"), "sphere_side");
+}
+
+#[test]
+fn the_map_zoomed_by_normals_and_by_lobes() {
+    let mut window = window(fitted("pyramid5", 64));
+    window.state_mut().inspector.view.layout = Layout::Map;
+    window.state_mut().inspector.session.select("2,5,6".parse().expect("a texel"));
+    window.state_mut().inspector.view.map = MapView { center: [0.3, 0.4], zoom: 1.6, shading: MapShading::Normal };
+    compare(&part(&mut window, "Map view"), "map_normals");
+    window.state_mut().inspector.view.map = MapView { shading: MapShading::Lobes, ..MapView::default() };
+    compare(&part(&mut window, "Map view"), "map_lobes");
+}
+
+#[test]
+fn a_fit_that_is_under_way() {
+    // Its progress differs from run to run; what is covered is the rest of the window.
+    let mut window = window(|_| {
+        let mut session = session("waves", 512, unheard());
+        session.begin(super::SETTINGS);
+        session
+    });
+    window.step();
+    assert!(window.query_by_label("Cancel fit").is_some());
+    let status = window.query_by_label_contains("levels done").expect("the status bar says how far the fit is").rect();
+    let bar = window.get_by_label("Cancel fit").rect();
+    let levels = window.get_by_label("Level 0").rect();
+    let surface = window.get_by_label("Surface view").rect();
+    window.mask(status);
+    window.mask(bar.with_min_x(0.0));
+    window.mask(egui::Rect::from_min_max(levels.left_bottom(), surface.right_bottom() + egui::vec2(0.0, 136.0)));
+    window.mask(surface);
+    window.mask(egui::Rect::from_min_max(egui::pos2(surface.right(), 0.0), egui::pos2(1280.0, 800.0)));
+    let whole = window.render().expect("a picture");
+    let left = image::imageops::crop_imm(&whole, 0, 0, 300, 800).to_image();
+    compare(&left, "fit_under_way");
+}
+
+#[test]
+fn the_window_without_a_window_is_the_same_twice() {
+    let gpu = Gpu::headless().expect("an adapter");
+    let take = || {
+        let mut headless = Headless::new(&gpu, ScreenshotSettings::default(), fitted("pyramid5", 128));
+        headless.screenshot().expect("a picture")
+    };
+    let (first, second) = (take(), take());
+    assert!(first == second, "two pictures of one session differ");
+    let picture = RgbaImage::from_raw(first.size[0], first.size[1], first.rgba).expect("as large as it says");
+    assert_not_flat(&picture, "the window");
+}
