@@ -10,7 +10,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use thread_priority::{ThreadPriority, set_current_thread_priority};
+use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
 /// Called from any thread when an event waits for the owner.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -89,14 +89,20 @@ fn panic_message(panic: &(dyn Any + Send)) -> String {
         .unwrap_or_else(|| "no message".to_owned())
 }
 
-/// A pool for fits: every core (or `threads` of them), at the lowest priority, so that a window stays fluent while
-/// all cores fit.
+/// The priority of fit threads, 0..=99: about a third of the normal one, which Linux takes as niceness 7. Where the
+/// processor draws too, a frame then has five times a fit's share of a core; at the lowest priority the fit starves
+/// as long as anything moves.
+const FIT_PRIORITY: u8 = 32;
+
+/// A pool for fits: every core (or `threads` of them), at a low priority, so that a window stays fluent while all
+/// cores fit.
 pub fn fit_pool(threads: Option<usize>) -> Result<ThreadPool, ThreadPoolBuildError> {
     ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
         .thread_name(|index| format!("fit-{index}"))
         .start_handler(|_| {
-            if let Err(error) = set_current_thread_priority(ThreadPriority::Min) {
+            let priority = ThreadPriorityValue::try_from(FIT_PRIORITY).map(ThreadPriority::Crossplatform);
+            if let Err(error) = set_current_thread_priority(priority.unwrap_or(ThreadPriority::Min)) {
                 log::debug!("a fit thread keeps its normal priority: {error:?}");
             }
         })
