@@ -131,7 +131,9 @@ fn library_is_there(file: &str) -> bool {
     let nested: Vec<_> = folders.iter().flat_map(|folder| below(folder)).collect();
     folders.extend(nested);
     let mut present = folders.iter().filter(|folder| folder.is_dir()).peekable();
-    present.peek().is_none() || present.any(|folder| folder.join(file).exists()) || !folders.iter().any(|folder| has_libc(folder))
+    present.peek().is_none()
+        || present.any(|folder| folder.join(file).exists())
+        || !folders.iter().any(|folder| has_libc(folder))
 }
 
 fn has_libc(folder: &Path) -> bool {

@@ -87,7 +87,7 @@ pub(super) const DIFFUSE: Parameter = Parameter {
 pub(super) const LIGHT_AZIMUTH: Parameter = Parameter {
     name: "Light azimuth",
     range: [-180.0, 180.0],
-    default: 118.0,
+    default: -140.0,
     unit: "°",
     decimals: 1,
     tooltip: "Where the light stands, from +x towards +y.",
@@ -96,7 +96,7 @@ pub(super) const LIGHT_AZIMUTH: Parameter = Parameter {
 pub(super) const LIGHT_ELEVATION: Parameter = Parameter {
     name: "Light elevation",
     range: [-90.0, 90.0],
-    default: 48.0,
+    default: 42.0,
     unit: "°",
     decimals: 1,
     tooltip: "How high the light stands over the plane.",
@@ -133,3 +133,33 @@ pub(super) const EXPOSURE: Parameter = Parameter {
     tooltip: "Stops: each doubles the picture's linear values.",
     ..PLAIN
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::vmf::{Alignment, FitSettings};
+    use crate::lit_surface::LitSurface;
+
+    #[test]
+    fn a_reset_brings_back_what_a_new_session_has() {
+        let surface = LitSurface::default();
+        let fit = FitSettings::default();
+        let pairs = [
+            (LOBES, fit.lobes as f64),
+            (ITERATIONS, fit.iterations as f64),
+            (BLEND, f64::from(Alignment::DEFAULT_BLEND)),
+            (SHININESS, f64::from(surface.material.shininess)),
+            (SPECULAR, f64::from(surface.material.specular)),
+            (DIFFUSE, f64::from(surface.material.diffuse)),
+            (LIGHT_AZIMUTH, f64::from(surface.light.azimuth_deg)),
+            (LIGHT_ELEVATION, f64::from(surface.light.elevation_deg)),
+            (LIGHT_INTENSITY, f64::from(surface.light.intensity)),
+            (TILING_U, f64::from(surface.shape.tiling[0])),
+            (TILING_V, f64::from(surface.shape.tiling[1])),
+            (EXPOSURE, f64::from(surface.exposure_stops)),
+        ];
+        for (parameter, default) in pairs {
+            assert!((parameter.default - default).abs() < 1e-6, "{}: {default}", parameter.name);
+        }
+    }
+}
