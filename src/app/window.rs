@@ -9,6 +9,7 @@ use egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 use super::inspector::{Inspector, Surroundings, wake_of};
 use super::viewport::PaintTarget;
 use crate::gpu::context::{self, AdapterChoice};
+use crate::gpu::frame::FrameBudget;
 use crate::jobs::Wake;
 use crate::session::Session;
 
@@ -80,11 +81,12 @@ type DynError = Box<dyn std::error::Error + Send + Sync>;
 
 fn inspector(creation: &CreationContext<'_>, make: impl FnOnce(Wake) -> Session) -> Result<Inspector, DynError> {
     let state = creation.wgpu_render_state.as_ref().ok_or("the window came without a graphics device")?;
-    let surroundings = Surroundings {
-        adapter: AdapterChoice::of(&state.adapter.get_info()),
-        target: PaintTarget { format: state.target_format, ..Default::default() },
-        live: true,
-    };
+    let adapter = AdapterChoice::of(&state.adapter.get_info());
+    // A processor that draws has little to spare: small steps keep the pointer's moves fluent.
+    let truth_batch = if adapter.software { 4 } else { 16 };
+    let budget = FrameBudget { truth_batch, ..Default::default() };
+    let target = PaintTarget { format: state.target_format, budget, ..Default::default() };
+    let surroundings = Surroundings { adapter, target, live: true };
     let ctx = &creation.egui_ctx;
     Ok(Inspector::new(ctx, make(wake_of(ctx)), surroundings))
 }
