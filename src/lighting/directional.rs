@@ -18,7 +18,7 @@ pub struct DirectionalLight {
 
 impl Default for DirectionalLight {
     fn default() -> Self {
-        Self { elevation_deg: 42.0, azimuth_deg: -140.0, color: Vec3::ONE, intensity: 1.6 }
+        Self { elevation_deg: 48.0, azimuth_deg: 155.0, color: Vec3::ONE, intensity: 1.5 }
     }
 }
 
