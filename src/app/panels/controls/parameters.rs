@@ -1,6 +1,12 @@
 //! Every parameter of the controls: name, range, default, unit, tooltip.
 
 use crate::app::parameter::Parameter;
+use crate::brdf::Material;
+use crate::filter::vmf::Alignment;
+use crate::lighting::DirectionalLight;
+
+const MATERIAL: Material = Material::DEFAULT;
+const LIGHT: DirectionalLight = DirectionalLight::DEFAULT;
 
 /// A dimensionless parameter on a linear scale.
 const PLAIN: Parameter =
@@ -38,7 +44,7 @@ pub(super) const LOBES: Parameter = Parameter {
 pub(super) const BLEND: Parameter = Parameter {
     name: "Neighbours b",
     range: [0.0, 0.9],
-    default: 0.15,
+    default: Alignment::DEFAULT_BLEND as f64,
     tooltip: "The neighbours' share in the E-step; directions are left alone.",
     ..PLAIN
 };
@@ -62,7 +68,7 @@ pub(super) const ITERATIONS: Parameter = Parameter {
 pub(super) const SHININESS: Parameter = Parameter {
     name: "Shininess s",
     range: [1.0, 4000.0],
-    default: 64.0,
+    default: MATERIAL.shininess as f64,
     decimals: 1,
     logarithmic: true,
     tooltip: "Blinn-Phong exponent: (s + 1) / (2 pi) max(n.h, 0)^s.",
@@ -71,7 +77,7 @@ pub(super) const SHININESS: Parameter = Parameter {
 pub(super) const SPECULAR: Parameter = Parameter {
     name: "Specular Ks",
     range: [0.0, 2.0],
-    default: 0.12,
+    default: MATERIAL.specular as f64,
     decimals: 3,
     tooltip: "Strength of the specular part.",
     ..PLAIN
@@ -79,7 +85,7 @@ pub(super) const SPECULAR: Parameter = Parameter {
 pub(super) const DIFFUSE: Parameter = Parameter {
     name: "Diffuse Kd",
     range: [0.0, 2.0],
-    default: 0.45,
+    default: MATERIAL.diffuse as f64,
     decimals: 3,
     tooltip: "Strength of the diffuse part.",
     ..PLAIN
@@ -87,7 +93,7 @@ pub(super) const DIFFUSE: Parameter = Parameter {
 pub(super) const LIGHT_AZIMUTH: Parameter = Parameter {
     name: "Light azimuth",
     range: [-180.0, 180.0],
-    default: -140.0,
+    default: LIGHT.azimuth_deg as f64,
     unit: "°",
     decimals: 1,
     tooltip: "Where the light stands, from +x towards +y.",
@@ -96,7 +102,7 @@ pub(super) const LIGHT_AZIMUTH: Parameter = Parameter {
 pub(super) const LIGHT_ELEVATION: Parameter = Parameter {
     name: "Light elevation",
     range: [-90.0, 90.0],
-    default: 42.0,
+    default: LIGHT.elevation_deg as f64,
     unit: "°",
     decimals: 1,
     tooltip: "How high the light stands over the plane.",
@@ -105,7 +111,7 @@ pub(super) const LIGHT_ELEVATION: Parameter = Parameter {
 pub(super) const LIGHT_INTENSITY: Parameter = Parameter {
     name: "Light intensity",
     range: [0.0, 20.0],
-    default: 1.6,
+    default: LIGHT.intensity as f64,
     logarithmic: true,
     tooltip: "Factor on the light's colour.",
     ..PLAIN
@@ -137,7 +143,7 @@ pub(super) const EXPOSURE: Parameter = Parameter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::filter::vmf::{Alignment, FitSettings};
+    use crate::filter::vmf::FitSettings;
     use crate::lit_surface::LitSurface;
 
     #[test]
