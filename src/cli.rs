@@ -8,7 +8,7 @@ pub mod render;
 pub mod sample;
 pub mod screenshot;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 use options::MapArguments;
@@ -29,6 +29,9 @@ pub struct Cli {
     /// How the map is read.
     #[command(flatten)]
     pub map_arguments: MapArguments,
+    /// Write a line for every frame of the window: its start and the program's own time, in milliseconds.
+    #[arg(long, value_name = "FILE")]
+    pub frame_log: Option<PathBuf>,
 }
 
 /// The commands beside the window.
@@ -48,13 +51,13 @@ pub enum Command {
     Adapters,
 }
 
-/// Opens the window on a map, or on the bundled sample.
+/// Opens the window on the map that was named, or on the bundled sample.
 ///
 /// # Errors
 /// One sentence that says why there is no window, and what to do instead.
-pub fn open_window(map: Option<&Path>, arguments: &MapArguments) -> anyhow::Result<()> {
-    let request = map.map(|path| arguments.request(path, MapOptions::default()));
-    Ok(window::run(move |wake| {
+pub fn open_window(cli: &Cli) -> anyhow::Result<()> {
+    let request = cli.map.as_deref().map(|path| cli.map_arguments.request(path, MapOptions::default()));
+    let make = move |wake| {
         let mut session = Session::new(wake);
         session.remember_recent();
         session.refit();
@@ -62,7 +65,8 @@ pub fn open_window(map: Option<&Path>, arguments: &MapArguments) -> anyhow::Resu
             session.open(request);
         }
         session
-    })?)
+    };
+    Ok(window::run(make, cli.frame_log.as_deref())?)
 }
 
 /// Carries out a command.

@@ -1,7 +1,10 @@
 //! The native window: which adapter draws it, and what is said where none can open.
 
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use eframe::{CreationContext, Frame, NativeOptions};
 use egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
@@ -34,6 +37,9 @@ pub enum WindowError {
          `fit` and `probe` work without a graphics adapter"
     )]
     NoAdapter(String),
+    /// The frame log cannot be written.
+    #[error("the frame log '{0}' cannot be written: {1}")]
+    FrameLog(String, std::io::Error),
     /// Anything else the windowing system said.
     #[error(
         "no window can be opened: {0}; \
@@ -44,21 +50,54 @@ pub enum WindowError {
 
 struct Window {
     inspector: Inspector,
+    log: Option<FrameLog>,
+}
+
+/// A file with one line per frame: milliseconds since the window opened when the frame began, and milliseconds that
+/// the program itself spent on it, drawing by the adapter left out. The gaps between lines are the pace.
+struct FrameLog {
+    file: BufWriter<File>,
+    opened: Instant,
+    began: Instant,
+}
+
+impl FrameLog {
+    fn create(path: &Path) -> Result<Self, WindowError> {
+        let file = File::create(path).map_err(|cause| WindowError::FrameLog(path.display().to_string(), cause))?;
+        Ok(Self { file: BufWriter::new(file), opened: Instant::now(), began: Instant::now() })
+    }
+
+    fn end(&mut self) {
+        let milliseconds = |duration: Duration| duration.as_secs_f64() * 1000.0;
+        let (at, took) = (milliseconds(self.began - self.opened), milliseconds(self.began.elapsed()));
+        let written = writeln!(self.file, "{at:.3} {took:.3}").and_then(|()| self.file.flush());
+        if let Err(error) = written {
+            log::warn!("a line of the frame log was lost: {error}");
+        }
+    }
 }
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut Frame) {
+        if let Some(log) = &mut self.log {
+            log.began = Instant::now();
+        }
         self.inspector.logic(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut Frame) {
         self.inspector.ui(ui);
+        if let Some(log) = &mut self.log {
+            log.end();
+        }
     }
 }
 
-/// Opens the window on the session that `make` builds, and returns when it is closed.
-pub fn run(make: impl FnOnce(Wake) -> Session) -> Result<(), WindowError> {
+/// Opens the window on the session that `make` builds, and returns when it is closed. Every frame leaves a line in
+/// `frame_log`, where that is given.
+pub fn run(make: impl FnOnce(Wake) -> Session, frame_log: Option<&Path>) -> Result<(), WindowError> {
     check_display()?;
+    let log = frame_log.map(FrameLog::create).transpose()?;
     let options = NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("NDF Inspector")
@@ -72,7 +111,7 @@ pub fn run(make: impl FnOnce(Wake) -> Session) -> Result<(), WindowError> {
     };
     let create = Box::new(|creation: &CreationContext<'_>| {
         let inspector = inspector(creation, make)?;
-        Ok(Box::new(Window { inspector }) as Box<dyn eframe::App>)
+        Ok(Box::new(Window { inspector, log }) as Box<dyn eframe::App>)
     });
     eframe::run_native("ndf-inspector", options, create).map_err(|error| explain(&error))
 }
