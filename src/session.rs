@@ -230,7 +230,9 @@ impl Session {
     pub fn wait(&mut self, timeout: Duration) {
         let mut messages = Vec::new();
         self.fitting.wait(timeout, &mut messages);
-        messages.into_iter().for_each(|text| self.report(Message { text, is_error: true }));
+        for text in messages {
+            self.report(Message { text, is_error: true });
+        }
         self.poll();
     }
 
@@ -242,7 +244,9 @@ impl Session {
             self.adopt(map, mip);
         }
         changed |= self.fitting.poll(&mut messages);
-        messages.into_iter().for_each(|text| self.report(Message { text, is_error: true }));
+        for text in messages {
+            self.report(Message { text, is_error: true });
+        }
         changed
     }
 

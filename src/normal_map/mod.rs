@@ -121,7 +121,7 @@ impl NormalMap {
     pub fn precise_normal(&self, index: usize) -> Option<DVec3> {
         match &self.decoder {
             Some(decoder) => decoder.normal(&self.stored, index),
-            None => self.normal(index).map(|normal| normal.as_dvec3()),
+            None => self.normal(index).map(Vec3::as_dvec3),
         }
     }
 

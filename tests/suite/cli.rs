@@ -66,7 +66,7 @@ fn fit_prints_the_agreed_json() {
 fn probe_of_vmf_is_the_formula_on_the_lobes_that_fit_prints() {
     let folder = folder();
     sample(&folder, "scales");
-    let fit = json(&run(&folder, &["fit", "scales.png", "-J", "4", "--texel", "5,3,2", "--json", "-"]));
+    let fit = json(&run(&folder, &["fit", "scales.png", "-J", "4", "--texel", "3,3,2", "--json", "-"]));
     let probe = json(&run(
         &folder,
         &[
@@ -77,7 +77,7 @@ fn probe_of_vmf_is_the_formula_on_the_lobes_that_fit_prints() {
             "--brdf",
             "blinn-phong:40",
             "--texel",
-            "5,3,2",
+            "3,3,2",
             "--omega",
             "0.2,-0.1,1",
             "--json",
