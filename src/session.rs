@@ -42,12 +42,30 @@ impl Default for Comparison {
 }
 
 /// A sentence for the user.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Message {
     /// The sentence.
     pub text: String,
     /// True for an error, false for a remark.
     pub is_error: bool,
+    /// What the user may want instead.
+    pub offer: Option<Offer>,
+}
+
+/// Another way to open what could not be opened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Offer {
+    /// What the button says.
+    pub label: &'static str,
+    /// What it opens.
+    pub request: MapRequest,
+}
+
+impl Message {
+    /// An error.
+    pub fn error(text: impl Into<String>) -> Self {
+        Self { text: text.into(), is_error: true, offer: None }
+    }
 }
 
 /// What is open, chosen and fitted.
@@ -167,7 +185,7 @@ impl Session {
 
     fn start_fit(&mut self) {
         if let Err(message) = self.fitting.start(&self.wake) {
-            self.report(Message { text: message, is_error: true });
+            self.report(Message::error(message));
         }
     }
 
@@ -179,15 +197,20 @@ impl Session {
     /// Opens a map in the background; the open one stays until the new one is read.
     pub fn open(&mut self, request: MapRequest) {
         if let Err(message) = self.opening.start(request, &self.wake) {
-            self.report(Message { text: message, is_error: true });
+            self.report(Message::error(message));
         }
     }
 
     /// Asks for a file in the system's dialog, off the window's thread, then opens it.
     pub fn open_dialog(&mut self) {
-        if let Err(message) = self.opening.start_dialog(self.map.options.clone(), &self.wake) {
-            self.report(Message { text: message, is_error: true });
+        if let Err(message) = self.opening.start_dialog(self.options_for_another_map(), &self.wake) {
+            self.report(Message::error(message));
         }
+    }
+
+    /// How another map is read: by the conventions of the open one, which tend to come together, but as normals.
+    pub fn options_for_another_map(&self) -> MapOptions {
+        MapOptions { height_scale: None, two_channel: false, ..self.map.options.clone() }
     }
 
     /// Reads the open map anew with other options.
@@ -231,21 +254,23 @@ impl Session {
         let mut messages = Vec::new();
         self.fitting.wait(timeout, &mut messages);
         for text in messages {
-            self.report(Message { text, is_error: true });
+            self.report(Message::error(text));
         }
         self.poll();
     }
 
     /// Takes the jobs' news; true if anything changed.
     pub fn poll(&mut self) -> bool {
-        let (news, mut messages) = self.opening.poll();
-        let mut changed = news.is_some() || !messages.is_empty();
+        let (news, refused) = self.opening.poll();
+        let mut messages = Vec::new();
+        let mut changed = news.is_some() || refused.is_some();
+        self.messages.extend(refused);
         if let Some((map, mip)) = news {
             self.adopt(map, mip);
         }
         changed |= self.fitting.poll(&mut messages);
         for text in messages {
-            self.report(Message { text, is_error: true });
+            self.report(Message::error(text));
         }
         changed
     }

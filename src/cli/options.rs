@@ -41,6 +41,8 @@ pub enum Green {
     Up,
     /// +Y down, as DirectX has it.
     Down,
+    /// Whichever makes the slopes a surface.
+    Auto,
 }
 
 impl MapArguments {
@@ -50,6 +52,7 @@ impl MapArguments {
             green: match self.green {
                 Some(Green::Up) => GreenChannel::Up,
                 Some(Green::Down) => GreenChannel::Down,
+                Some(Green::Auto) => GreenChannel::Auto,
                 None => base.green,
             },
             addressing: match (self.wrap, self.clamp) {
@@ -76,7 +79,7 @@ impl MapArguments {
     /// # Errors
     /// One sentence that names the file and the cause.
     pub fn read(&self, path: &Path) -> anyhow::Result<NormalMap> {
-        opening::read(&self.request(path, MapOptions::default())).map_err(anyhow::Error::msg)
+        opening::read(&self.request(path, MapOptions::default())).map_err(|message| anyhow::anyhow!(message.text))
     }
 }
 

@@ -127,7 +127,7 @@ impl SceneArguments {
             }
         };
         let map = match request {
-            Some(request) => opening::read(&request).map_err(anyhow::Error::msg)?,
+            Some(request) => opening::read(&request).map_err(|message| anyhow::anyhow!(message.text))?,
             None => procedural::default_map(),
         };
         self.apply_to(&mut file);

@@ -27,6 +27,8 @@ pub enum GreenChannel {
     Up,
     /// Green above one half faces the bottom of the image (DirectX); negated on reading.
     Down,
+    /// Whichever makes the slopes a surface; an open map says which it was.
+    Auto,
 }
 
 /// What lies beyond an edge of the map.

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::{Message, Offer};
 use crate::filter::PlainMip;
 use crate::jobs::{Job, JobEvent, Outbox, Wake};
-use crate::normal_map::{MapOptions, NormalMap, procedural};
+use crate::normal_map::{DecodeError, MapOptions, NormalMap, OpenError, procedural};
 
 /// A map to open.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +41,7 @@ pub type OpenedMap = (Arc<NormalMap>, Arc<PlainMip>);
 
 enum News {
     Opened(OpenedMap),
-    Failed(String),
+    Failed(Message),
     Dismissed,
 }
 
@@ -84,19 +85,15 @@ impl Opening {
         Ok(())
     }
 
-    /// Takes a map that was read, and the sentences for the user.
-    pub fn poll(&mut self) -> (Option<OpenedMap>, Vec<String>) {
-        match self.job.as_ref().and_then(Job::next) {
-            None => (None, Vec::new()),
-            Some(event) => {
-                self.job = None;
-                match event {
-                    JobEvent::News(News::Opened(map)) => (Some(map), Vec::new()),
-                    JobEvent::News(News::Failed(sentence)) => (None, vec![sentence]),
-                    JobEvent::News(News::Dismissed) => (None, Vec::new()),
-                    JobEvent::Panicked(text) => (None, vec![format!("The map could not be opened: {text}.")]),
-                }
-            }
+    /// Takes a map that was read, or what the user should know.
+    pub fn poll(&mut self) -> (Option<OpenedMap>, Option<Message>) {
+        let Some(event) = self.job.as_ref().and_then(Job::next) else { return (None, None) };
+        self.job = None;
+        match event {
+            JobEvent::News(News::Opened(map)) => (Some(map), None),
+            JobEvent::News(News::Failed(message)) => (None, Some(message)),
+            JobEvent::News(News::Dismissed) => (None, None),
+            JobEvent::Panicked(text) => (None, Some(Message::error(format!("The map could not be opened: {text}.")))),
         }
     }
 }
@@ -111,23 +108,43 @@ fn read_news(request: MapRequest) -> News {
             let mip = Arc::new(PlainMip::new(Arc::clone(&map)));
             News::Opened((map, mip))
         }
-        Err(sentence) => News::Failed(sentence),
+        Err(failure) => News::Failed(failure),
     }
 }
 
-/// Reads a map now. `Err` is a sentence that names the file and the cause.
-pub fn read(request: &MapRequest) -> Result<NormalMap, String> {
-    match request {
-        MapRequest::File { path, options } => NormalMap::read(path, options).map_err(|error| error.to_string()),
-        MapRequest::Bytes { name, bytes, options } => {
-            NormalMap::read_bytes(name, bytes, options).map_err(|error| error.to_string())
-        }
+/// The height of the full range of a height map, in texel widths, unless told.
+pub const DEFAULT_HEIGHT_SCALE: f32 = 4.0;
+
+/// Reads a map now.
+///
+/// # Errors
+/// A sentence that names the file and the cause; a greyscale image comes with the offer to read it as heights.
+pub fn read(request: &MapRequest) -> Result<NormalMap, Message> {
+    let read = match request {
+        MapRequest::File { path, options } => NormalMap::read(path, options),
+        MapRequest::Bytes { name, bytes, options } => NormalMap::read_bytes(name, bytes, options),
         MapRequest::Bundled { name, options } => {
-            let sample = procedural::find(name)
-                .ok_or_else(|| format!("There is no bundled map named '{name}'; `sample --list` names them."))?;
+            let sample = procedural::find(name).ok_or_else(|| {
+                Message::error(format!("There is no bundled map named '{name}'; `sample --list` names them."))
+            })?;
             let mut map = sample.make(procedural::DEFAULT_SIZE);
             map.options.addressing = options.addressing;
             Ok(map)
         }
+    };
+    read.map_err(|error| {
+        let is_greyscale = matches!(error, OpenError::Decode(DecodeError::Greyscale { .. }));
+        let offer = is_greyscale.then(|| Offer { label: "Open as heights", request: request.as_heights() });
+        Message { offer, ..Message::error(error.to_string()) }
+    })
+}
+
+impl MapRequest {
+    /// The same, read as heights.
+    fn as_heights(&self) -> Self {
+        let mut request = self.clone();
+        let (Self::File { options, .. } | Self::Bytes { options, .. } | Self::Bundled { options, .. }) = &mut request;
+        options.height_scale = Some(DEFAULT_HEIGHT_SCALE);
+        request
     }
 }

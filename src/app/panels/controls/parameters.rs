@@ -4,6 +4,7 @@ use crate::app::parameter::Parameter;
 use crate::brdf::Material;
 use crate::filter::vmf::Alignment;
 use crate::lighting::DirectionalLight;
+use crate::session::opening::DEFAULT_HEIGHT_SCALE;
 
 const MATERIAL: Material = Material::DEFAULT;
 const LIGHT: DirectionalLight = DirectionalLight::DEFAULT;
@@ -28,7 +29,7 @@ pub(super) const LEVEL: &str = "Which level the surface reads: the one whose tex
 pub(super) const HEIGHT_SCALE: Parameter = Parameter {
     name: "Height scale",
     range: [0.01, 100.0],
-    default: 4.0,
+    default: DEFAULT_HEIGHT_SCALE as f64,
     logarithmic: true,
     tooltip: "Texel widths from the lowest to the highest height.",
     ..PLAIN
