@@ -20,8 +20,8 @@ use crate::lit_surface::LitSurface;
 use crate::normal_map::pyramid::Texel;
 use crate::normal_map::{MapOptions, MapSource, NormalMap, procedural};
 use fitting::Fitting;
-pub use opening::MapRequest;
 use opening::Opening;
+pub use opening::{MapRequest, OpenedMap};
 
 /// What is compared on the lit surface.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -77,14 +77,23 @@ impl Session {
 
     /// A session with this map, not fitted yet.
     pub fn with_map(map: NormalMap, wake: Wake) -> Self {
-        let map = Arc::new(map);
+        Self::with_opened(map.into(), wake)
+    }
+
+    /// A session with a map that was read, and with the fit that came along.
+    pub fn with_opened(opened: OpenedMap, wake: Wake) -> Self {
+        let map = opened.map;
         let mip = Arc::new(PlainMip::new(Arc::clone(&map)));
+        let mut fitting = Fitting::new(Arc::clone(&map), FitSettings::default());
+        if let Some(fit) = opened.fit {
+            fitting.adopt_fit(fit);
+        }
         Self {
             surface: LitSurface::default(),
             comparison: Comparison::default(),
             truth_samples: 1024,
             selected: default_selection(&map),
-            fitting: Fitting::new(Arc::clone(&map), FitSettings::default()),
+            fitting,
             opening: Opening::default(),
             recent: recent::RecentFiles::default(),
             messages: Vec::new(),
@@ -159,10 +168,12 @@ impl Session {
         self.fitting.set_threads(threads);
     }
 
-    /// Starts the first fit with these settings.
+    /// Starts the first fit with these settings; nothing where the lobes of a file are that fit already.
     pub fn begin(&mut self, settings: FitSettings) {
-        self.fitting.restart(settings);
-        self.start_fit();
+        if !self.fitting.is_complete() || settings != *self.fitting.settings() {
+            self.fitting.restart(settings);
+            self.start_fit();
+        }
     }
 
     fn start_fit(&mut self) {
@@ -238,27 +249,32 @@ impl Session {
     pub fn poll(&mut self) -> bool {
         let (news, mut messages) = self.opening.poll();
         let mut changed = news.is_some() || !messages.is_empty();
-        if let Some((map, mip)) = news {
-            self.adopt(map, mip);
+        if let Some((opened, mip)) = news {
+            self.adopt(opened, mip);
         }
         changed |= self.fitting.poll(&mut messages);
         messages.into_iter().for_each(|text| self.report(Message { text, is_error: true }));
         changed
     }
 
-    /// Takes a map that was read.
-    fn adopt(&mut self, map: Arc<NormalMap>, mip: Arc<PlainMip>) {
+    /// Takes a map that was read, and its fit or a new one.
+    fn adopt(&mut self, opened: OpenedMap, mip: Arc<PlainMip>) {
+        let OpenedMap { map, fit } = opened;
         if let MapSource::File(path) = &map.source
             && let Err(error) = self.recent.push(path)
         {
             log::warn!("{error}");
         }
-        self.fitting.adopt(Arc::clone(&map));
         self.selected =
             if map.level_sizes() == self.map.level_sizes() { self.selected } else { default_selection(&map) };
         (self.map, self.mip) = (map, mip);
         self.map_revision += 1;
-        self.start_fit();
+        if let Some(fit) = fit {
+            self.fitting.adopt_fit(fit);
+        } else {
+            self.fitting.adopt(Arc::clone(&self.map));
+            self.start_fit();
+        }
     }
 }
 

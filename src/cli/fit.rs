@@ -1,14 +1,15 @@
 //! `fit`: lobes of every texel of every level; chosen texels and levels as text or JSON.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
 
+use super::export::write_lobes;
 use super::options::{FitArguments, MapArguments, wait_for_fit, write_text};
-use crate::filter::vmf::{FitSettings, smooth};
+use crate::filter::vmf::smooth;
 use crate::normal_map::pyramid::{Footprint, Texel};
 use crate::session::Session;
 use crate::sphere::direction::polar_deg;
@@ -31,6 +32,9 @@ pub struct FitCommand {
     /// Write the result as JSON to FILE, - for standard output.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Write the lobes of every level as OpenEXR to FILE, - for standard output.
+    #[arg(long, value_name = "FILE")]
+    pub exr: Option<PathBuf>,
 }
 
 /// The result, schema 1; others script against it.
@@ -91,18 +95,22 @@ impl FitCommand {
     /// # Errors
     /// One sentence that names the file and the cause.
     pub fn run(self) -> anyhow::Result<()> {
-        let map = self.map_arguments.read(&self.map)?;
-        let sizes = map.level_sizes();
+        let opened = self.map_arguments.read(&self.map)?;
+        let sizes = opened.map.level_sizes();
         self.texels.iter().try_for_each(|texel| check_texel(*texel, &sizes))?;
-        let mut session = Session::with_map(map, Arc::new(|| {}));
-        let settings = self.fit.over(FitSettings::default());
+        let mut session = Session::with_opened(opened, Arc::new(|| {}));
+        let settings = self.fit.over(*session.fit_settings());
         let start = Instant::now();
         session.set_threads(self.fit.threads());
         session.begin(settings);
         wait_for_fit(&mut session)?;
         let report = self.report(&session, start.elapsed().as_secs_f64());
+        if let Some(path) = &self.exr {
+            write_lobes(path, &session)?;
+        }
         match &self.json {
             Some(path) => write_text(path, &serde_json::to_string_pretty(&report)?),
+            None if self.exr.as_deref() == Some(Path::new("-")) => Ok(()),
             None => write_text("-".as_ref(), report.to_text().trim_end()),
         }
     }

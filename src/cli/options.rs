@@ -10,8 +10,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::filter::vmf::{Alignment, FitSettings};
 use crate::image_io::write_bytes_atomically;
-use crate::normal_map::{Addressing, GreenChannel, MapOptions, NormalMap};
-use crate::session::{MapRequest, Session, opening};
+use crate::normal_map::{Addressing, GreenChannel, MapOptions};
+use crate::session::{MapRequest, OpenedMap, Session, opening};
 use crate::sphere::vmf::KappaRule;
 
 /// How a map is read.
@@ -71,11 +71,11 @@ impl MapArguments {
         }
     }
 
-    /// Reads `path` now.
+    /// Reads `path` now, a map or a fit.
     ///
     /// # Errors
     /// One sentence that names the file and the cause.
-    pub fn read(&self, path: &Path) -> anyhow::Result<NormalMap> {
+    pub fn read(&self, path: &Path) -> anyhow::Result<OpenedMap> {
         opening::read(&self.request(path, MapOptions::default())).map_err(anyhow::Error::msg)
     }
 }

@@ -40,6 +40,8 @@ pub enum Warning {
     AlphaVaries,
     /// A colour image was read as heights, by the mean of its colour channels.
     HeightsFromColor,
+    /// Options were given for a file that holds a fit of a map that was read with others.
+    FitKeepsItsOptions,
 }
 
 impl fmt::Display for Warning {
@@ -73,6 +75,8 @@ impl fmt::Display for Warning {
             Self::HeightsFromColor => {
                 formatter.write_str("the image is in colour; the mean of its channels was read as height")
             }
+            Self::FitKeepsItsOptions => formatter
+                .write_str("the file holds a fit; it was opened as it was fitted, whatever the map options say"),
         }
     }
 }

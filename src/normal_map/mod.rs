@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use crate::image_io::RasterImage;
+use crate::image_io::{RasterImage, SampleDepth, Samples};
 pub use decode::{DecodeError, OpenError};
 pub use diagnose::Warning;
 
@@ -87,7 +87,7 @@ pub struct NormalMap {
     pub stored: Arc<RasterImage>,
     /// What was odd about the file.
     pub warnings: Vec<Warning>,
-    /// How a stored texel is decoded again in f64; `None` where the normals come from heights.
+    /// How a stored texel is decoded again in f64; `None` where the normals come from heights or from a fit.
     pub decoder: Option<decode::Decoder>,
 }
 
@@ -101,6 +101,43 @@ impl std::fmt::Display for MapSource {
 }
 
 impl NormalMap {
+    /// A map of normals that are known already: `[x, y, z]` row by row, unit vectors, zero where there is none.
+    pub fn from_unit_normals(
+        (width, height): (usize, usize),
+        [x, y, z]: [Vec<f32>; 3],
+        source: MapSource,
+        options: MapOptions,
+    ) -> Self {
+        let samples = x.iter().zip(&y).zip(&z).flat_map(|((&x, &y), &z)| [x, y, z]).collect();
+        let stored = RasterImage {
+            width,
+            height,
+            channels: 3,
+            has_alpha: false,
+            samples: Samples::F32(samples),
+            depth: SampleDepth::Float,
+            format: "OpenEXR",
+        };
+        let mut map = Self {
+            width,
+            height,
+            x,
+            y,
+            z,
+            invalid: 0,
+            options,
+            source,
+            stored: Arc::new(stored),
+            warnings: Vec::new(),
+            decoder: None,
+        };
+        map.invalid = (0..map.len()).filter(|&index| map.normal(index).is_none()).count();
+        if map.invalid > 0 {
+            map.warnings.push(Warning::InvalidTexels { count: map.invalid, total: map.len() });
+        }
+        map
+    }
+
     /// Texels in the base level.
     pub fn len(&self) -> usize {
         self.x.len()

@@ -119,7 +119,9 @@ impl Session {
         if let Some(texel) = file.selected {
             self.select(texel);
         }
-        self.fitting.restart(file.fit);
+        if file.fit != *self.fit_settings() {
+            self.fitting.restart(file.fit);
+        }
     }
 }
 

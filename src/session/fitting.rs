@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use rayon::ThreadPool;
 
+use crate::export::lobes_exr::FittedLobes;
 use crate::filter::vmf::fit::{self, FitEvent, FitSettings, LevelStats};
 use crate::filter::vmf::{Cancelled, Fold, LobePyramid, Monitor, fold};
 use crate::jobs::{self, Ended, Job, JobEvent, Wake};
@@ -155,6 +156,21 @@ impl Fitting {
     pub fn adopt(&mut self, map: Arc<NormalMap>) {
         let (revision, threads, pool) = (self.revision + 1, self.threads, self.pool.take());
         *self = Self { revision, threads, pool, ..Self::new(map, self.settings) };
+    }
+
+    /// Forgets the lobes and takes a fit that is finished.
+    pub fn adopt_fit(&mut self, fit: FittedLobes) {
+        self.adopt(Arc::clone(&fit.lobes.map));
+        let level = |index| LevelFit { state: LevelState::Done, stats: fit.stats.get(index).copied().flatten() };
+        self.levels = (0..fit.lobes.levels()).map(level).collect();
+        (self.lobes, self.settings) = (fit.lobes, fit.settings);
+    }
+
+    /// The fit, once it is finished.
+    pub fn finished(&self) -> Option<FittedLobes> {
+        let stats = self.levels.iter().map(|level| level.stats).collect();
+        let fit = || FittedLobes { lobes: Arc::clone(&self.lobes), settings: self.settings, stats };
+        self.is_complete().then(fit)
     }
 
     /// Starts the job. `Err` is a sentence for the user.

@@ -1,11 +1,13 @@
 //! Maps read in the background, and the system's file dialog off the window's thread.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::export::lobes_exr::{self, FittedLobes};
 use crate::filter::PlainMip;
+use crate::image_io;
 use crate::jobs::{Job, JobEvent, Outbox, Wake};
-use crate::normal_map::{MapOptions, NormalMap, procedural};
+use crate::normal_map::{MapOptions, MapSource, NormalMap, procedural};
 
 /// A map to open.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,11 +37,32 @@ pub enum MapRequest {
     },
 }
 
+/// A map that was read, and its lobes where the file holds a fit.
+#[derive(Clone, Debug)]
+pub struct OpenedMap {
+    /// The map.
+    pub map: Arc<NormalMap>,
+    /// The fit of it that came along.
+    pub fit: Option<FittedLobes>,
+}
+
+impl From<NormalMap> for OpenedMap {
+    fn from(map: NormalMap) -> Self {
+        Self { map: Arc::new(map), fit: None }
+    }
+}
+
+impl From<FittedLobes> for OpenedMap {
+    fn from(fit: FittedLobes) -> Self {
+        Self { map: Arc::clone(&fit.lobes.map), fit: Some(fit) }
+    }
+}
+
 /// A map and its mean normals.
-pub type OpenedMap = (Arc<NormalMap>, Arc<PlainMip>);
+pub type OpenedWithMip = (OpenedMap, Arc<PlainMip>);
 
 enum News {
-    Opened(OpenedMap),
+    Opened(OpenedWithMip),
     Failed(String),
     Dismissed,
 }
@@ -85,7 +108,7 @@ impl Opening {
     }
 
     /// Takes a map that was read, and the sentences for the user.
-    pub fn poll(&mut self) -> (Option<OpenedMap>, Vec<String>) {
+    pub fn poll(&mut self) -> (Option<OpenedWithMip>, Vec<String>) {
         match self.job.as_ref().and_then(Job::next) {
             None => (None, Vec::new()),
             Some(event) => {
@@ -106,28 +129,44 @@ const EXTENSIONS: [&str; 12] = ["png", "tga", "bmp", "tif", "tiff", "jpg", "jpeg
 
 fn read_news(request: MapRequest) -> News {
     match read(&request) {
-        Ok(map) => {
-            let map = Arc::new(map);
-            let mip = Arc::new(PlainMip::new(Arc::clone(&map)));
-            News::Opened((map, mip))
+        Ok(opened) => {
+            let mip = Arc::new(PlainMip::new(Arc::clone(&opened.map)));
+            News::Opened((opened, mip))
         }
         Err(sentence) => News::Failed(sentence),
     }
 }
 
 /// Reads a map now. `Err` is a sentence that names the file and the cause.
-pub fn read(request: &MapRequest) -> Result<NormalMap, String> {
+pub fn read(request: &MapRequest) -> Result<OpenedMap, String> {
     match request {
-        MapRequest::File { path, options } => NormalMap::read(path, options).map_err(|error| error.to_string()),
-        MapRequest::Bytes { name, bytes, options } => {
-            NormalMap::read_bytes(name, bytes, options).map_err(|error| error.to_string())
+        MapRequest::File { path, options } if path.as_os_str() == "-" => {
+            let bytes = image_io::read_bytes(path).map_err(|error| error.to_string())?;
+            read_bytes("standard input", &bytes, options)
         }
+        MapRequest::File { path, options } => read_file(path, options),
+        MapRequest::Bytes { name, bytes, options } => read_bytes(name, bytes, options),
         MapRequest::Bundled { name, options } => {
             let sample = procedural::find(name)
                 .ok_or_else(|| format!("There is no bundled map named '{name}'; `sample --list` names them."))?;
             let mut map = sample.make(procedural::DEFAULT_SIZE);
             map.options.addressing = options.addressing;
-            Ok(map)
+            Ok(map.into())
         }
+    }
+}
+
+fn read_file(path: &Path, options: &MapOptions) -> Result<OpenedMap, String> {
+    match lobes_exr::read(path, options).map_err(|error| error.to_string())? {
+        Some(fit) => Ok(fit.into()),
+        None => NormalMap::read(path, options).map(OpenedMap::from).map_err(|error| error.to_string()),
+    }
+}
+
+fn read_bytes(name: &str, bytes: &[u8], options: &MapOptions) -> Result<OpenedMap, String> {
+    let source = MapSource::File(name.into());
+    match lobes_exr::read_bytes(bytes, source, options).map_err(|error| error.to_string())? {
+        Some(fit) => Ok(fit.into()),
+        None => NormalMap::read_bytes(name, bytes, options).map(OpenedMap::from).map_err(|error| error.to_string()),
     }
 }

@@ -129,7 +129,7 @@ impl FitSettings {
 }
 
 /// What a fitted level came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LevelStats {
     /// Mean over the level's texels of the mean log-likelihood of their normals.
     pub mean_log_likelihood: f64,
