@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args;
+use glam::Vec3;
 use serde::Serialize;
 
 use super::export::write_lobes;
@@ -86,7 +87,16 @@ struct TexelReport {
     y: usize,
     samples: usize,
     mean_log_likelihood: f64,
-    lobes: Vec<Lobe>,
+    lobes: Vec<LobeReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct LobeReport {
+    #[serde(flatten)]
+    lobe: Lobe,
+    /// Linear RGB; left out for a map without colour.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    color: Option<Vec3>,
 }
 
 impl FitCommand {
@@ -188,7 +198,11 @@ fn texel_report(session: &Session, texel: Texel) -> TexelReport {
         y: texel.y,
         samples: footprint.len(),
         mean_log_likelihood,
-        lobes: mixture.lobes.into_iter().map(|(_, lobe)| lobe).collect(),
+        lobes: mixture
+            .lobes
+            .into_iter()
+            .map(|(slot, lobe)| LobeReport { lobe, color: lobes.lobe_color(texel, slot) })
+            .collect(),
     }
 }
 
@@ -225,13 +239,15 @@ impl TexelReport {
             "\ntexel {},{},{}: {} normals, mean log-likelihood {:.6}\n    theta      phi      kappa   alpha        mu x      mu y      mu z\n",
             self.level, self.x, self.y, self.samples, self.mean_log_likelihood
         );
-        for lobe in &self.lobes {
+        for LobeReport { lobe, color } in &self.lobes {
             let (theta, phi) = polar_deg(lobe.mean_direction.as_vec3());
             let mu = lobe.mean_direction;
             text += &format!(
-                "{theta:>9.3} {phi:>8.3} {:>10.3} {:>7.4}   {:>9.6} {:>9.6} {:>9.6}\n",
+                "{theta:>9.3} {phi:>8.3} {:>10.3} {:>7.4}   {:>9.6} {:>9.6} {:>9.6}",
                 lobe.concentration, lobe.weight, mu.x, mu.y, mu.z
             );
+            text += &color.map_or_else(String::new, |y| format!("   colour {:.4} {:.4} {:.4}", y.x, y.y, y.z));
+            text += "\n";
         }
         text
     }

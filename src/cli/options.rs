@@ -32,6 +32,9 @@ pub struct MapArguments {
     /// The edge texel goes on beyond the edge.
     #[arg(long)]
     pub clamp: bool,
+    /// An image of the surface's colour, fitted along: sRGB, or linear where it is of floats.
+    #[arg(long, value_name = "FILE")]
+    pub color: Option<PathBuf>,
 }
 
 /// The green channel's convention.
@@ -59,6 +62,7 @@ impl MapArguments {
             },
             two_channel: self.two_channel || base.two_channel,
             height_scale: self.height_scale.or(base.height_scale),
+            color: self.color.clone().or(base.color),
         }
     }
 

@@ -236,10 +236,12 @@ impl Fitting {
                 let shown = &mut self.levels[level];
                 if last || shown.state != LevelState::Earlier {
                     lobes.coarse[level - 1] = Some(mixtures);
+                    lobes.colors[level - 1] = None;
                     let state = if last { LevelState::Done } else { LevelState::Unaligned };
                     *shown = LevelFit { state, stats: Some(stats) };
                 }
             }
+            FitEvent::Color { level, colors } => lobes.colors[level - 1] = Some(colors),
             FitEvent::Base(base) => {
                 lobes.base = Some(base);
                 self.levels[0].state = LevelState::Done;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::export::lobes_exr::{self, FittedLobes};
 use crate::filter::PlainMip;
+use crate::filter::vmf::{Monitor, color};
 use crate::image_io;
 use crate::jobs::{Job, JobEvent, Outbox, Wake};
 use crate::normal_map::{MapOptions, MapSource, NormalMap, procedural};
@@ -137,23 +138,39 @@ fn read_news(request: MapRequest) -> News {
     }
 }
 
-/// Reads a map now. `Err` is a sentence that names the file and the cause.
+/// Reads a map now, and its colour. `Err` is a sentence that names the file and the cause.
 pub fn read(request: &MapRequest) -> Result<OpenedMap, String> {
-    match request {
+    let (opened, options) = match request {
         MapRequest::File { path, options } if path.as_os_str() == "-" => {
             let bytes = image_io::read_bytes(path).map_err(|error| error.to_string())?;
-            read_bytes("standard input", &bytes, options)
+            (read_bytes("standard input", &bytes, options)?, options)
         }
-        MapRequest::File { path, options } => read_file(path, options),
-        MapRequest::Bytes { name, bytes, options } => read_bytes(name, bytes, options),
+        MapRequest::File { path, options } => (read_file(path, options)?, options),
+        MapRequest::Bytes { name, bytes, options } => (read_bytes(name, bytes, options)?, options),
         MapRequest::Bundled { name, options } => {
             let sample = procedural::find(name)
                 .ok_or_else(|| format!("There is no bundled map named '{name}'; `sample --list` names them."))?;
             let mut map = sample.make(procedural::DEFAULT_SIZE);
             map.options.addressing = options.addressing;
-            Ok(map.into())
+            (map.into(), options)
         }
+    };
+    if options.color.is_some() { with_color(opened, options) } else { Ok(opened) }
+}
+
+/// Reads the colour that the options name; the lobes of a fit take it too.
+fn with_color(opened: OpenedMap, options: &MapOptions) -> Result<OpenedMap, String> {
+    let OpenedMap { map, mut fit } = opened;
+    let mut map = Arc::unwrap_or_clone(map);
+    map.read_color(options).map_err(|error| error.to_string())?;
+    let map = Arc::new(map);
+    if let Some(fit) = &mut fit {
+        let lobes = Arc::make_mut(&mut fit.lobes);
+        lobes.map = Arc::clone(&map);
+        let monitor = Monitor::new(vec![0; lobes.levels()]);
+        color::fit_levels(lobes, fit.settings.kappa, &monitor, &mut |_, _| {}).map_err(|error| error.to_string())?;
     }
+    Ok(OpenedMap { map, fit })
 }
 
 fn read_file(path: &Path, options: &MapOptions) -> Result<OpenedMap, String> {

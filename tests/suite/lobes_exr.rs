@@ -17,8 +17,9 @@ use crate::gpu::maps::{mixtures, rough};
 
 fn fit_of(lobes: LobePyramid) -> FittedLobes {
     let level = |level: usize| {
-        let seconds = level as f64 / 3.0;
-        (level > 0).then_some(LevelStats { mean_log_likelihood: 1.0 / 3.0, mean_iterations: 9.25, seconds })
+        // The time a level took is not written.
+        let mean_log_likelihood = 7.420_049_234_100_341_5 / (1.0 + level as f64);
+        (level > 0).then_some(LevelStats { mean_log_likelihood, mean_iterations: 9.25, seconds: 0.0 })
     };
     let settings = FitSettings { lobes: 5, align: Alignment::Paper { c: 0.25 }, ..FitSettings::default() };
     FittedLobes { stats: (0..lobes.levels()).map(level).collect(), lobes: Arc::new(lobes), settings }
@@ -199,9 +200,20 @@ fn a_part_that_is_missing_or_of_the_wrong_size_is_named() {
 #[test]
 fn channels_that_make_no_lobe_are_refused() {
     let sentence = refusal(&foreign(&[("level.00", (1, 1), &UP[..3])]));
-    assert!(sentence.ends_with("its part 'level.00' does not hold 1 to 16 lobes of four channels each"), "{sentence}");
+    assert!(
+        sentence.ends_with(
+            "its part 'level.00' does not hold 1 to 16 lobes of four channels each, or of seven with colour"
+        ),
+        "{sentence}"
+    );
     let far: Vec<(&str, f32)> = UP.iter().copied().chain([("lobe.16.alpha", 0.0)]).collect();
     assert!(refusal(&foreign(&[("level.00", (1, 1), &far)])).contains("1 to 16 lobes"));
+    let half_coloured: Vec<(&str, f32)> = UP.iter().copied().chain([("lobe.00.cr", 1.0)]).collect();
+    assert!(refusal(&foreign(&[("level.00", (1, 1), &half_coloured)])).contains("1 to 16 lobes"));
+    let coloured: Vec<(&str, f32)> =
+        half_coloured.iter().copied().chain([("lobe.00.cg", 1.0), ("lobe.00.cb", 1.0)]).collect();
+    let sentence = refusal(&foreign(&[("level.00", (2, 1), &coloured), ("level.01", (1, 1), UP)]));
+    assert!(sentence.contains("its part 'level.01' does not hold"), "{sentence}");
 }
 
 #[test]

@@ -2,10 +2,12 @@
 //!
 //! One part per MIP level, `level.00` the base; in it four f32 channels per lobe, `lobe.NN.alpha`, `lobe.NN.rx`,
 //! `.ry` and `.rz`, which hold `alpha` and `alpha A(kappa) mu` as they are stored. A base texel is one normal and has
-//! one lobe, `(1, n)`, in its own slot; an invalid one has none. The attribute `fit` of each part is JSON: the
+//! one lobe, `(1, n)`, in its own slot; an invalid one has none. With colour, `lobe.NN.cr`, `.cg` and `.cb` hold
+//! `alpha y`, linear RGB. The attribute `fit` of each part is JSON: the
 //! version, the source's name, J and the other settings, and what the level came to. `wrapmodes` says what lies
 //! beyond an edge.
 
+mod base;
 mod note;
 mod read;
 mod write;
@@ -43,7 +45,9 @@ pub enum ReadLobesError {
     #[error("'{name}' is damaged: its part '{part}' is {} x {} texels, not {} x {}", .found.0, .found.1, .wanted.0, .wanted.1)]
     WrongSize { name: String, part: String, found: (usize, usize), wanted: (usize, usize) },
     /// A lobe's channel is missing, or there are too many lobes.
-    #[error("'{name}' is damaged: its part '{part}' does not hold 1 to 16 lobes of four channels each")]
+    #[error(
+        "'{name}' is damaged: its part '{part}' does not hold 1 to 16 lobes of four channels each, or of seven with colour"
+    )]
     WrongChannels { name: String, part: String },
     /// A value is not finite.
     #[error("'{name}' is damaged: its part '{part}' holds values that are not numbers")]
@@ -61,8 +65,11 @@ fn part_name(level: usize) -> String {
     format!("level.{level:02}")
 }
 
-/// What the channels of a lobe are called, in the order in which a lobe is stored.
-const COMPONENTS: [&str; 4] = ["alpha", "rx", "ry", "rz"];
+/// What the channels of a lobe are called: first as a lobe is stored, then its colour.
+const COMPONENTS: [&str; 7] = ["alpha", "rx", "ry", "rz", "cr", "cg", "cb"];
+
+/// Components of a lobe without colour.
+const PLAIN: usize = 4;
 
 /// The channel of one component of a lobe.
 fn channel_name(slot: usize, component: usize) -> String {

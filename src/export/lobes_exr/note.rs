@@ -29,7 +29,8 @@ pub(super) fn notes_of(fit: &FittedLobes, level: usize) -> Notes {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         source: fit.lobes.map.name(),
         settings: fit.settings,
-        level: fit.stats.get(level).copied().flatten(),
+        // The time it took differs from run to run; the file should not.
+        level: fit.stats.get(level).copied().flatten().map(|stats| LevelStats { seconds: 0.0, ..stats }),
     };
     let json = serde_json::to_string(&note).unwrap_or_default();
     Notes {
