@@ -10,7 +10,7 @@ pub mod fitting;
 pub mod opening;
 pub mod recent;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use crate::filter::vmf::{FitSettings, LobePyramid};
@@ -59,7 +59,8 @@ pub struct Session {
     /// Samples per pixel at which the truth is done.
     pub truth_samples: u32,
     map: Arc<NormalMap>,
-    mip: Arc<PlainMip>,
+    /// Made when it is first asked for: a fit alone needs none, and it is as large as the map.
+    mip: OnceLock<Arc<PlainMip>>,
     selected: Texel,
     fitting: Fitting,
     opening: Opening,
@@ -83,7 +84,6 @@ impl Session {
     /// A session with a map that was read, and with the fit that came along.
     pub fn with_opened(opened: OpenedMap, wake: Wake) -> Self {
         let map = opened.map;
-        let mip = Arc::new(PlainMip::new(Arc::clone(&map)));
         let mut fitting = Fitting::new(Arc::clone(&map), FitSettings::default());
         if let Some(fit) = opened.fit {
             fitting.adopt_fit(fit);
@@ -99,7 +99,7 @@ impl Session {
             messages: Vec::new(),
             map_revision: 1,
             map,
-            mip,
+            mip: OnceLock::new(),
             wake,
         }
     }
@@ -111,7 +111,7 @@ impl Session {
 
     /// Its mean normals.
     pub fn mip(&self) -> &Arc<PlainMip> {
-        &self.mip
+        self.mip.get_or_init(|| Arc::new(PlainMip::new(Arc::clone(&self.map))))
     }
 
     /// Grows whenever another map is open.
@@ -166,6 +166,11 @@ impl Session {
     /// Fits on this many threads from the next start on, or on one per core.
     pub fn set_threads(&mut self, threads: Option<usize>) {
         self.fitting.set_threads(threads);
+    }
+
+    /// Keeps no level before it is finished: nobody looks at a fit under way, and the memory is worth having.
+    pub fn skip_previews(&mut self) {
+        self.fitting.skip_previews();
     }
 
     /// Starts the first fit with these settings; nothing where the lobes of a file are that fit already.
@@ -267,7 +272,7 @@ impl Session {
         }
         self.selected =
             if map.level_sizes() == self.map.level_sizes() { self.selected } else { default_selection(&map) };
-        (self.map, self.mip) = (map, mip);
+        (self.map, self.mip) = (map, mip.into());
         self.map_revision += 1;
         if let Some(fit) = fit {
             self.fitting.adopt_fit(fit);

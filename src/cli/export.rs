@@ -45,6 +45,7 @@ impl ExportCommand {
         let opened = self.map_arguments.read(&self.map)?;
         let mut session = Session::with_opened(opened, Arc::new(|| {}));
         session.set_threads(self.fit.threads());
+        session.skip_previews();
         session.begin(self.fit.over(*session.fit_settings()));
         wait_for_fit(&mut session)?;
         match self.kind {

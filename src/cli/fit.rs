@@ -112,6 +112,7 @@ impl FitCommand {
         let settings = self.fit.over(*session.fit_settings());
         let start = Instant::now();
         session.set_threads(self.fit.threads());
+        session.skip_previews();
         session.begin(settings);
         wait_for_fit(&mut session)?;
         let report = self.report(&session, start.elapsed().as_secs_f64());

@@ -78,6 +78,7 @@ impl ProbeCommand {
         settings.lobes = self.method.lobes.unwrap_or(settings.lobes);
         if self.method.method == Method::Vmf {
             session.set_threads(self.fit.threads());
+            session.skip_previews();
             session.begin(settings);
             wait_for_fit(&mut session)?;
         }

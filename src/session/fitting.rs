@@ -67,6 +67,7 @@ pub struct Fitting {
     threads: Option<usize>,
     pool: Option<Arc<ThreadPool>>,
     running: Option<Running>,
+    previews: bool,
 }
 
 impl Fitting {
@@ -84,6 +85,7 @@ impl Fitting {
             threads: None,
             pool: None,
             running: None,
+            previews: true,
         }
     }
 
@@ -134,6 +136,11 @@ impl Fitting {
         (self.threads, self.pool) = (threads, None);
     }
 
+    /// Keeps no level from now on before it is finished.
+    pub fn skip_previews(&mut self) {
+        self.previews = false;
+    }
+
     /// Threads that fits run on.
     pub fn threads(&self) -> usize {
         self.pool.as_ref().map_or(0, |pool| pool.current_num_threads())
@@ -155,7 +162,7 @@ impl Fitting {
     /// Forgets the lobes and takes another map.
     pub fn adopt(&mut self, map: Arc<NormalMap>) {
         let (revision, threads, pool) = (self.revision + 1, self.threads, self.pool.take());
-        *self = Self { revision, threads, pool, ..Self::new(map, self.settings) };
+        *self = Self { revision, threads, pool, previews: self.previews, ..Self::new(map, self.settings) };
     }
 
     /// Forgets the lobes and takes a fit that is finished.
@@ -234,7 +241,7 @@ impl Fitting {
             FitEvent::Level { level, mixtures, stats, last } => {
                 // Finished lobes, even of earlier settings, look better than unaligned ones.
                 let shown = &mut self.levels[level];
-                if last || shown.state != LevelState::Earlier {
+                if last || self.previews && shown.state != LevelState::Earlier {
                     lobes.coarse[level - 1] = Some(mixtures);
                     lobes.colors[level - 1] = None;
                     let state = if last { LevelState::Done } else { LevelState::Unaligned };

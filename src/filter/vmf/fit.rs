@@ -194,6 +194,8 @@ pub fn fit(
         // The top is shared by both fits; alignment starts below it.
         for level in (1..lobes.levels() - 1).rev() {
             let timed = std::time::Instant::now();
+            // The aligned fit starts from the coarser level; this one's own lobes only take room.
+            lobes.coarse[level - 1] = None;
             let (mixtures, mut stats) = match settings.align {
                 Alignment::Paper { c } => scanline::fit_level(&lobes, level, c, settings, monitor)?,
                 Alignment::Smooth { blend } => smooth::fit_level(&lobes, level, blend, settings, monitor)?,
