@@ -1,6 +1,7 @@
 //! The command line: what can be asked for, and the way it is carried out.
 
 pub mod adapters;
+pub mod export;
 pub mod fit;
 pub mod options;
 pub mod probe;
@@ -45,6 +46,8 @@ pub enum Command {
     Render(render::RenderCommand),
     /// The whole window as a PNG, without a display.
     Screenshot(screenshot::ScreenshotCommand),
+    /// Write results for other programs.
+    Export(export::ExportCommand),
     /// Write a bundled map, or list them.
     Sample(sample::SampleCommand),
     /// What graphics adapter would be used, and why.
@@ -79,6 +82,7 @@ pub fn run(command: Command) -> anyhow::Result<()> {
         Command::Probe(command) => command.run(),
         Command::Render(command) => command.run(),
         Command::Screenshot(command) => command.run(),
+        Command::Export(command) => command.run(),
         Command::Sample(command) => command.run(),
         Command::Adapters => adapters::run(),
     }

@@ -10,7 +10,7 @@ pub mod fitting;
 pub mod opening;
 pub mod recent;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use crate::filter::vmf::{FitSettings, LobePyramid};
@@ -20,8 +20,8 @@ use crate::lit_surface::LitSurface;
 use crate::normal_map::pyramid::Texel;
 use crate::normal_map::{MapOptions, MapSource, NormalMap, procedural};
 use fitting::Fitting;
-pub use opening::MapRequest;
 use opening::Opening;
+pub use opening::{MapRequest, OpenedMap};
 
 /// What is compared on the lit surface.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -77,7 +77,8 @@ pub struct Session {
     /// Samples per pixel at which the truth is done.
     pub truth_samples: u32,
     map: Arc<NormalMap>,
-    mip: Arc<PlainMip>,
+    /// Made when it is first asked for: a fit alone needs none, and it is as large as the map.
+    mip: OnceLock<Arc<PlainMip>>,
     selected: Texel,
     fitting: Fitting,
     opening: Opening,
@@ -95,20 +96,28 @@ impl Session {
 
     /// A session with this map, not fitted yet.
     pub fn with_map(map: NormalMap, wake: Wake) -> Self {
-        let map = Arc::new(map);
-        let mip = Arc::new(PlainMip::new(Arc::clone(&map)));
+        Self::with_opened(map.into(), wake)
+    }
+
+    /// A session with a map that was read, and with the fit that came along.
+    pub fn with_opened(opened: OpenedMap, wake: Wake) -> Self {
+        let map = opened.map;
+        let mut fitting = Fitting::new(Arc::clone(&map), FitSettings::default());
+        if let Some(fit) = opened.fit {
+            fitting.adopt_fit(fit);
+        }
         Self {
             surface: LitSurface::default(),
             comparison: Comparison::default(),
             truth_samples: 1024,
             selected: default_selection(&map),
-            fitting: Fitting::new(Arc::clone(&map), FitSettings::default()),
+            fitting,
             opening: Opening::default(),
             recent: recent::RecentFiles::default(),
             messages: Vec::new(),
             map_revision: 1,
             map,
-            mip,
+            mip: OnceLock::new(),
             wake,
         }
     }
@@ -120,7 +129,7 @@ impl Session {
 
     /// Its mean normals.
     pub fn mip(&self) -> &Arc<PlainMip> {
-        &self.mip
+        self.mip.get_or_init(|| Arc::new(PlainMip::new(Arc::clone(&self.map))))
     }
 
     /// Grows whenever another map is open.
@@ -177,10 +186,17 @@ impl Session {
         self.fitting.set_threads(threads);
     }
 
-    /// Starts the first fit with these settings.
+    /// Keeps no level before it is finished: nobody looks at a fit under way, and the memory is worth having.
+    pub fn skip_previews(&mut self) {
+        self.fitting.skip_previews();
+    }
+
+    /// Starts the first fit with these settings; nothing where the lobes of a file are that fit already.
     pub fn begin(&mut self, settings: FitSettings) {
-        self.fitting.restart(settings);
-        self.start_fit();
+        if !self.fitting.is_complete() || settings != *self.fitting.settings() {
+            self.fitting.restart(settings);
+            self.start_fit();
+        }
     }
 
     fn start_fit(&mut self) {
@@ -265,8 +281,8 @@ impl Session {
         let mut messages = Vec::new();
         let mut changed = news.is_some() || refused.is_some();
         self.messages.extend(refused);
-        if let Some((map, mip)) = news {
-            self.adopt(map, mip);
+        if let Some((opened, mip)) = news {
+            self.adopt(opened, mip);
         }
         changed |= self.fitting.poll(&mut messages);
         for text in messages {
@@ -275,19 +291,24 @@ impl Session {
         changed
     }
 
-    /// Takes a map that was read.
-    fn adopt(&mut self, map: Arc<NormalMap>, mip: Arc<PlainMip>) {
+    /// Takes a map that was read, and its fit or a new one.
+    fn adopt(&mut self, opened: OpenedMap, mip: Arc<PlainMip>) {
+        let OpenedMap { map, fit } = opened;
         if let MapSource::File(path) = &map.source
             && let Err(error) = self.recent.push(path)
         {
             log::warn!("{error}");
         }
-        self.fitting.adopt(Arc::clone(&map));
         self.selected =
             if map.level_sizes() == self.map.level_sizes() { self.selected } else { default_selection(&map) };
-        (self.map, self.mip) = (map, mip);
+        (self.map, self.mip) = (map, mip.into());
         self.map_revision += 1;
-        self.start_fit();
+        if let Some(fit) = fit {
+            self.fitting.adopt_fit(fit);
+        } else {
+            self.fitting.adopt(Arc::clone(&self.map));
+            self.start_fit();
+        }
     }
 }
 

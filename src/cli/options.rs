@@ -10,8 +10,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::filter::vmf::{Alignment, FitSettings};
 use crate::image_io::write_bytes_atomically;
-use crate::normal_map::{Addressing, GreenChannel, MapOptions, NormalMap};
-use crate::session::{MapRequest, Session, opening};
+use crate::normal_map::{Addressing, GreenChannel, MapOptions};
+use crate::session::{MapRequest, OpenedMap, Session, opening};
 use crate::sphere::vmf::KappaRule;
 
 /// How a map is read.
@@ -32,6 +32,9 @@ pub struct MapArguments {
     /// The edge texel goes on beyond the edge.
     #[arg(long)]
     pub clamp: bool,
+    /// An image of the surface's colour, fitted along: sRGB, or linear where it is of floats.
+    #[arg(long, value_name = "FILE")]
+    pub color: Option<PathBuf>,
 }
 
 /// The green channel's convention.
@@ -62,6 +65,7 @@ impl MapArguments {
             },
             two_channel: self.two_channel || base.two_channel,
             height_scale: self.height_scale.or(base.height_scale),
+            color: self.color.clone().or(base.color),
         }
     }
 
@@ -74,11 +78,11 @@ impl MapArguments {
         }
     }
 
-    /// Reads `path` now.
+    /// Reads `path` now, a map or a fit.
     ///
     /// # Errors
     /// One sentence that names the file and the cause.
-    pub fn read(&self, path: &Path) -> anyhow::Result<NormalMap> {
+    pub fn read(&self, path: &Path) -> anyhow::Result<OpenedMap> {
         opening::read(&self.request(path, MapOptions::default())).map_err(|message| anyhow::anyhow!(message.text))
     }
 }

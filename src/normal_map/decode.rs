@@ -104,6 +104,7 @@ impl NormalMap {
             stored: Arc::new(image),
             warnings: Vec::new(),
             decoder: None,
+            albedo: None,
         }
     }
 

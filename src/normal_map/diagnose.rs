@@ -43,6 +43,20 @@ pub enum Warning {
     AlphaVaries,
     /// A colour image was read as heights, by the mean of its colour channels.
     HeightsFromColor,
+    /// Options were given for a file that holds a fit of a map that was read with others.
+    FitKeepsItsOptions,
+    /// The colour image is of another size than the map.
+    ColorResampled {
+        /// Its texels across and down.
+        from: (usize, usize),
+        /// The map's.
+        to: (usize, usize),
+    },
+    /// Texels whose colour is not finite.
+    ColorNotFinite {
+        /// How many.
+        count: usize,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -76,6 +90,19 @@ impl fmt::Display for Warning {
             Self::HeightsFromColor => {
                 formatter.write_str("the image is in colour; the mean of its channels was read as height")
             }
+            Self::ColorResampled { from, to } => write!(
+                formatter,
+                "the colour image is {} x {} texels; it was resampled by area to the map's {} x {}",
+                from.0, from.1, to.0, to.1
+            ),
+            Self::ColorNotFinite { count: 1 } => {
+                formatter.write_str("the colour of 1 texel is not finite; it was taken as black")
+            }
+            Self::ColorNotFinite { count } => {
+                write!(formatter, "the colours of {count} texels are not finite; they were taken as black")
+            }
+            Self::FitKeepsItsOptions => formatter
+                .write_str("the file holds a fit; it was opened as it was fitted, whatever the map options say"),
         }
     }
 }

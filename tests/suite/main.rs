@@ -1,8 +1,10 @@
 //! One binary for all laws and faces, for wgpu links slowly: a module per law or face.
 
 mod cli;
+mod color;
 mod fit;
 mod gpu;
 mod house;
+mod lobes_exr;
 mod opening;
 mod window;

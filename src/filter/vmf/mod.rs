@@ -1,6 +1,7 @@
 //! Mixtures of von Mises-Fisher lobes: fitting, alignment, storage and shading.
 
 pub mod base_slots;
+pub mod color;
 pub mod em;
 pub mod fit;
 pub mod fold;
@@ -25,6 +26,7 @@ use crate::sphere::Mixture;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf;
 
+pub use color::ColorLevel;
 pub use fit::{Alignment, FitEvent, FitSettings, LevelStats};
 pub use monitor::{Cancelled, Monitor};
 pub use pyramid::{BaseSlots, LobePyramid, MixtureLevel};
@@ -49,25 +51,30 @@ pub struct VmfFilter {
     pub fold: Fold,
 }
 
-/// Stored lobes of one lookup, all slots.
+/// Stored lobes of one lookup and their stored colours `alpha y`, all slots.
 #[derive(Clone, Copy, Debug)]
-struct Slots([glam::Vec4; MAX_LOBES]);
+struct Slots([(glam::Vec4, Vec3); MAX_LOBES]);
 
 impl Slots {
-    const EMPTY: Self = Self([glam::Vec4::ZERO; MAX_LOBES]);
+    const EMPTY: Self = Self([(glam::Vec4::ZERO, Vec3::ZERO); MAX_LOBES]);
+
+    fn add(&mut self, slot: usize, stored: glam::Vec4, color: Vec3) {
+        self.0[slot].0 += stored;
+        self.0[slot].1 += color;
+    }
 }
 
 impl std::ops::Add for Slots {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self(std::array::from_fn(|slot| self.0[slot] + other.0[slot]))
+        Self(std::array::from_fn(|slot| (self.0[slot].0 + other.0[slot].0, self.0[slot].1 + other.0[slot].1)))
     }
 }
 
 impl std::ops::Mul<f32> for Slots {
     type Output = Self;
     fn mul(self, factor: f32) -> Self {
-        Self(self.0.map(|stored| stored * factor))
+        Self(self.0.map(|(stored, color)| (stored * factor, color * factor)))
     }
 }
 
@@ -81,10 +88,12 @@ impl VmfFilter {
         for (index, weight) in grid.bilinear(uv) {
             if level == 0 {
                 let slot = usize::from(self.fold.0[self.lobes.base_slot(index)]);
-                slots.0[slot] += weight * glam::Vec4::from(self.lobes.base_lobe(index));
+                let stored = weight * glam::Vec4::from(self.lobes.base_lobe(index));
+                slots.add(slot, stored, stored.x * map.color(index));
             } else if let Some(mixtures) = self.lobes.level(level) {
                 for (slot, &stored) in mixtures.texel(index % width, index / width).iter().enumerate() {
-                    slots.0[usize::from(self.fold.0[slot])] += weight * glam::Vec4::from(stored);
+                    let color = self.lobes.color(level, index * mixtures.lobes + slot);
+                    slots.add(usize::from(self.fold.0[slot]), weight * glam::Vec4::from(stored), weight * color);
                 }
             }
         }
@@ -100,11 +109,13 @@ impl Filter for VmfFilter {
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let slots = trilinear(lookup.lod, self.lobes.levels(), |level| self.slots_at(lookup.uv, level));
-        slots.0.iter().filter(|stored| stored.x > EMPTY_WEIGHT).map(|&s| shade_lobe(s, light, material)).sum()
+        let filled = slots.0.iter().filter(|(stored, _)| stored.x > EMPTY_WEIGHT);
+        filled.map(|&(stored, color)| color / stored.x * shade_lobe(stored, light, material)).sum()
     }
 }
 
-/// `alpha (Ks Bs(w_h . mu) + Kd) cos` of one stored lobe (Han et al. 2007, Algorithm 2), linear RGB.
+/// `alpha (Ks Bs(w_h . mu) + Kd) cos` of one stored lobe (Han et al. 2007, Algorithm 2) before its colour y, linear
+/// RGB.
 fn shade_lobe(stored: glam::Vec4, light: &LocalLight, material: &Material) -> Vec3 {
     let weight = stored.x;
     let resultant = stored.yzw() / weight;

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot make its files has failed")]
 
-mod files;
+pub mod files;
 mod refused;
 mod round_trips;
 mod written;
