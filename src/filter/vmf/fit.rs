@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::color::{self, ColorLevel};
 use super::em::Stop;
 use super::monitor::{Cancelled, Monitor};
+use super::objective::Objective;
 use super::pyramid::{BaseSlots, LobePyramid, MixtureLevel};
 use super::{base_slots, scanline, smooth, unaligned};
 use crate::normal_map::NormalMap;
@@ -97,6 +98,8 @@ impl TryFrom<String> for Alignment {
 pub struct FitSettings {
     /// Lobes per texel J, `1..=16`.
     pub lobes: usize,
+    /// What each texel's own fit strives for.
+    pub objective: Objective,
     /// How lobes are aligned.
     pub align: Alignment,
     /// Most EM iterations per texel; an aligned pass takes at most its own number of them.
@@ -109,7 +112,14 @@ pub struct FitSettings {
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { lobes: 6, align: Alignment::default(), iterations: 100, tolerance: 1e-5, kappa: KappaRule::Exact }
+        Self {
+            lobes: 6,
+            objective: Objective::default(),
+            align: Alignment::default(),
+            iterations: 100,
+            tolerance: 1e-5,
+            kappa: KappaRule::Exact,
+        }
     }
 }
 
@@ -168,7 +178,8 @@ pub enum FitEvent {
 /// The normals that a fit of these settings is expected to visit, per level.
 pub fn expected_visits(map: &NormalMap, settings: &FitSettings) -> Vec<u64> {
     let colored = usize::from(map.albedo.is_some());
-    let per_level = (map.len() * (settings.iterations + 1 + settings.aligned_passes() + colored)) as u64;
+    let passes = unaligned::most_passes(settings) + settings.aligned_passes() + colored;
+    let per_level = (map.len() * passes) as u64;
     let levels = map.level_sizes().len();
     (0..levels).map(|level| if level == 0 { map.len() as u64 } else { per_level }).collect()
 }
