@@ -4,4 +4,5 @@ mod cli;
 mod fit;
 mod gpu;
 mod house;
+mod objectives;
 mod opening;
