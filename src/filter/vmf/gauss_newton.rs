@@ -22,7 +22,7 @@ const EACH: usize = 4;
 const MOST: usize = EACH * MAX_LOBES;
 
 /// The first step's damping; it falls by [`EASED`] where a step is kept and rises by [`RAISED`] where it is not.
-const DAMPING: f64 = 1e-2;
+const DAMPING: f64 = 3e-2;
 
 /// Factor on the damping after a step that is kept.
 const EASED: f64 = 0.2;
