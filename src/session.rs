@@ -49,7 +49,7 @@ pub struct Message {
     /// True for an error, false for a remark.
     pub is_error: bool,
     /// What the user may want instead.
-    pub offer: Option<Offer>,
+    pub offer: Option<Box<Offer>>,
 }
 
 /// Another way to open what could not be opened.

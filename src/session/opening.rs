@@ -163,7 +163,7 @@ impl From<String> for Refused {
 /// A sentence that names the file and the cause; a greyscale image comes with the offer to read it as heights.
 pub fn read(request: &MapRequest) -> Result<OpenedMap, Message> {
     read_or_refuse(request).map_err(|refused| {
-        let offer = || Offer { label: "Open as heights", request: request.as_heights() };
+        let offer = || Box::new(Offer { label: "Open as heights", request: request.as_heights() });
         Message { offer: refused.is_greyscale.then(offer), ..Message::error(refused.sentence) }
     })
 }

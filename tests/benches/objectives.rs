@@ -142,7 +142,9 @@ fn print_errors() {
             let lobes = fitted(map, &settings(objective));
             let found: Vec<(usize, Errors)> =
                 truths.iter().map(|(t, exact)| (t.level, errors(exact, &lobes, *t, &directions, rule))).collect();
-            found.iter().for_each(|&(level, errors)| by_level[level].push(errors));
+            for &(level, errors) in &found {
+                by_level[level].push(errors);
+            }
             let found: Vec<Errors> = found.into_iter().map(|(_, errors)| errors).collect();
             by_map.push(mean(&found));
             all.extend(found);

@@ -9,6 +9,8 @@
 //! `a = (s+1)/(s+2)`, the mean cosine of Blinn-Phong: two convolutions multiply first moments, and the result is taken
 //! for the lobe of that moment. So no directions need be sampled, and the gradient is a few sums over the normals.
 
+#![expect(clippy::needless_range_loop, reason = "several arrays are walked by one index")]
+
 use std::f64::consts::TAU;
 
 use glam::DVec3;

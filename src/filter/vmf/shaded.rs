@@ -126,6 +126,7 @@ fn halving_sum(mut lanes: [f32; LANES]) -> f32 {
 }
 
 #[cfg(test)]
+#[expect(clippy::needless_range_loop, reason = "several arrays are walked by one index")]
 mod tests {
     use super::*;
     use glam::{DVec3, Vec3};
