@@ -153,10 +153,9 @@ mod tests {
     #[test]
     fn bins_keep_the_weight_and_the_mean_and_never_lengthen_it() {
         let map = procedural::find("bricks").expect("bundled").make(300);
-        for (level, footprint) in [
-            (5, Footprint::new((300, 300), (9, 9), (3, 4))),
-            (8, Footprint::new((300, 300), (1, 1), (0, 0))),
-        ] {
+        for (level, footprint) in
+            [(5, Footprint::new((300, 300), (9, 9), (3, 4))), (8, Footprint::new((300, 300), (1, 1), (0, 0)))]
+        {
             let bins = BinnedSamples::new(&map, &footprint);
             assert!(bins.len() < footprint.len() / 2, "level {level}: {} cells", bins.len());
             let (mut weight, mut mean) = (0.0, DVec3::ZERO);

@@ -19,12 +19,7 @@ impl<'a> Children<'a> {
     pub fn new(lobes: &'a LobePyramid, level: usize, (x, y): (usize, usize)) -> Self {
         let sizes = lobes.map.level_sizes();
         let (coarse, fine) = (sizes[level], sizes[level - 1]);
-        Self {
-            lobes,
-            level: level - 1,
-            columns: Span::new(fine.0, coarse.0, x),
-            rows: Span::new(fine.1, coarse.1, y),
-        }
+        Self { lobes, level: level - 1, columns: Span::new(fine.0, coarse.0, x), rows: Span::new(fine.1, coarse.1, y) }
     }
 
     /// Shows the lobes of each child and the area of it inside the box, in children.

@@ -94,8 +94,7 @@ fn step(here: &Evaluation, weights: &[f64; MATERIALS.len()], damping: f64) -> Op
     let solution = equations.solve()?;
     let mut steps = [LobeStep::default(); MAX_LOBES];
     for j in 0..here.at.count {
-        let [log_alpha, first, second, log_kappa] =
-            [0, 1, 2, 3].map(|p| -solution[EACH * j + p] / here.at.alpha[j]);
+        let [log_alpha, first, second, log_kappa] = [0, 1, 2, 3].map(|p| -solution[EACH * j + p] / here.at.alpha[j]);
         steps[j] = LobeStep {
             log_alpha: log_alpha.clamp(-LOG_LIMIT, LOG_LIMIT),
             tangent: (first * frames[j].0 + second * frames[j].1).clamp_length_max(TURN_LIMIT),
@@ -159,13 +158,7 @@ impl Equations {
 
     /// Subtracts the data from the gradient, and the mixture from the weights' derivatives: with weights of sum 1 a
     /// lobe's derivative by `ln alpha` is `alpha_j (v_j - mixture)`.
-    fn centre(
-        &mut self,
-        here: &Evaluation,
-        weights: &[f64; MATERIALS.len()],
-        frames: &Frames,
-        model: &[f64; MOST],
-    ) {
+    fn centre(&mut self, here: &Evaluation, weights: &[f64; MATERIALS.len()], frames: &Frames, model: &[f64; MOST]) {
         let (count, alpha) = (here.at.count, &here.at.alpha);
         let (mut energy, mut mean) = (0.0, 0.0);
         for j in 0..count {

@@ -307,8 +307,7 @@ mod tests {
         let blurred = Blurred { shininess: 64.0 };
         let of_blur = |x| blurred.pair_cost(&blurred.candidate(0.4, at(0.0)), &blurred.candidate(0.2, at(x)));
         let of_kl = |x| {
-            KullbackLeibler
-                .pair_cost(&KullbackLeibler.candidate(0.4, at(0.0)), &KullbackLeibler.candidate(0.2, at(x)))
+            KullbackLeibler.pair_cost(&KullbackLeibler.candidate(0.4, at(0.0)), &KullbackLeibler.candidate(0.2, at(x)))
         };
         for costs in [cost(&of_blur), cost(&of_kl)] {
             assert!(costs[0].abs() < 1e-12 && costs[0] < costs[1] && costs[1] < costs[2], "{costs:?}");
