@@ -71,6 +71,8 @@ fn iterations_allocate_nothing() {
     // One chunk of normals on one thread, and many chunks shared by two.
     let maps = [32, 256].map(|size| Arc::new(sample.make(size)));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
+    // Every thread is up and has its scratch memory before anything is counted.
+    pool.broadcast(|_| of_em(&maps[0], seeded(&maps[0], 6), 1));
     pool.install(|| {
         for map in &maps {
             let lobes = seeded(map, 6);

@@ -169,11 +169,10 @@ fn midway(lobes: &LobePyramid, level: usize, directions: &[DVec3]) -> (f64, f64)
     for Texel { x, y, .. } in texels(map, level) {
         let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].map(|(x, y)| (x % width, y % height));
         let stored = |slot: usize| {
-            let sum = corners.iter().fold([0.0_f32; 4], |sum, &(x, y)| {
+            corners.iter().fold([0.0_f32; 4], |sum, &(x, y)| {
                 let texel = lobes.level(level).expect("fitted").texel(x, y)[slot];
                 std::array::from_fn(|channel| sum[channel] + 0.25 * texel[channel])
-            });
-            sum
+            })
         };
         let mixture = Mixture::from_stored(&(0..LOBES).map(stored).collect::<Vec<_>>());
         let texels = corners.map(|(x, y)| Texel { level, x, y });
