@@ -89,7 +89,7 @@ pub struct FitArguments {
     /// What a fit maximises.
     #[arg(long, value_enum, default_value_t)]
     pub objective: Objective,
-    /// How lobes are aligned: smooth[:B], paper:C or none.
+    /// How lobes are aligned: smooth[:B], paper:C, map:C or none.
     #[arg(long)]
     pub align: Option<Alignment>,
     /// Most EM iterations per texel.

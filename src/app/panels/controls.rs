@@ -118,24 +118,32 @@ fn alignment(ui: &mut Ui, settings: &mut FitSettings) {
         None,
         Smooth,
         Paper,
+        Map,
     }
     let kind = match settings.align {
         Alignment::None => Kind::None,
         Alignment::Smooth { .. } => Kind::Smooth,
         Alignment::Paper { .. } => Kind::Paper,
+        Alignment::Map { .. } => Kind::Map,
     };
-    let kinds = [(Kind::Smooth, "smooth"), (Kind::Paper, "paper (eq. 23)"), (Kind::None, "none")];
+    let kinds = [
+        (Kind::Smooth, "smooth"),
+        (Kind::Paper, "paper (eq. 23)"),
+        (Kind::Map, "map (exact prior)"),
+        (Kind::None, "none"),
+    ];
     if let Some(kind) = choice(ui, "Alignment", p::ALIGNMENT, kind, &kinds) {
         settings.align = match kind {
             Kind::None => Alignment::None,
             Kind::Smooth => Alignment::default(),
             Kind::Paper => Alignment::Paper { c: p::STRENGTH.default as f32 },
+            Kind::Map => Alignment::Map { c: p::STRENGTH.default as f32 },
         };
     }
     match &mut settings.align {
         Alignment::None => {}
         Alignment::Smooth { blend } => drop(p::BLEND.show_f32(ui, blend)),
-        Alignment::Paper { c } => drop(p::STRENGTH.show_f32(ui, c)),
+        Alignment::Paper { c } | Alignment::Map { c } => drop(p::STRENGTH.show_f32(ui, c)),
     }
 }
 

@@ -6,6 +6,7 @@ pub mod fit;
 pub mod fold;
 pub mod kernel;
 pub mod monitor;
+pub mod pull;
 pub mod pyramid;
 pub mod samples;
 pub mod scanline;
