@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
+use ndf_inspector::filter::vmf::coherence;
 use ndf_inspector::filter::vmf::em::TexelLobes;
 use ndf_inspector::filter::vmf::pull::Pull;
 use ndf_inspector::filter::vmf::samples::FootprintSamples;
@@ -214,4 +215,39 @@ fn the_top_level_is_that_of_no_alignment() {
     for align in [Alignment::Smooth { blend: 0.0 }, Alignment::default(), Alignment::Map { c: 1.0 }] {
         assert!(top(align) == none, "{align}");
     }
+}
+
+#[test]
+fn an_aligned_map_of_one_normal_is_coherent_and_interpolates_without_error() {
+    let map = map_of(16, 16, Addressing::Wrap, |_, _| Vec3::new(0.2, 0.1, 1.0));
+    let lobes = fitted(&map, &settings(Alignment::default()));
+    for level in 1..lobes.levels() {
+        let figures = coherence::measure(&lobes, level).expect("fitted");
+        assert!(figures.coherence_deg < 1e-3, "level {level}: {figures:?}");
+        assert!(figures.interpolation_error < 1e-4, "level {level}: {figures:?}");
+        assert_eq!(figures.trilinear_error.is_some(), level + 1 < lobes.levels());
+    }
+}
+
+#[test]
+fn a_small_angle_alone_is_no_success() {
+    let map = sample("scales", 64);
+    let figures = |align| {
+        let lobes = fitted(&map, &FitSettings { align, ..FitSettings::default() });
+        coherence::measure(&lobes, 3).expect("fitted")
+    };
+    let (smooth, paper) = (figures(Alignment::default()), figures(Alignment::Paper { c: 8.0 }));
+    assert!(paper.coherence_deg < smooth.coherence_deg, "{paper:?} and {smooth:?}");
+    assert!(paper.interpolation_error > 2.0 * smooth.interpolation_error, "{paper:?} and {smooth:?}");
+}
+
+#[test]
+fn the_figures_are_the_same_on_one_thread_and_on_many() {
+    let map = rough(48, 20, Addressing::Clamp);
+    let lobes = fitted(&map, &settings(Alignment::default()));
+    let run = |threads| {
+        let pool = ndf_inspector::jobs::fit_pool(Some(threads)).expect("threads");
+        pool.install(|| coherence::measure(&lobes, 2))
+    };
+    assert_eq!(run(1), run(5));
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::coherence::Coherence;
 use super::em::Stop;
 use super::monitor::{Cancelled, Monitor};
 use super::pull::Pull;
@@ -157,6 +158,10 @@ pub struct LevelStats {
     pub mean_iterations: f64,
     /// Seconds it took.
     pub seconds: f64,
+    /// Mean log-likelihood that alignment cost against each texel's own fit.
+    pub log_likelihood_lost: f64,
+    /// What the alignment is worth, once that was asked for.
+    pub coherence: Option<Coherence>,
 }
 
 /// News from a running fit.
@@ -195,10 +200,12 @@ pub fn fit(
 ) -> Result<LobePyramid, Cancelled> {
     let mut lobes = LobePyramid::unfitted(Arc::clone(map));
     let aligns = settings.align != Alignment::None;
+    let mut own_log_likelihood = vec![0.0; lobes.levels()];
     for level in 1..lobes.levels() {
         let timed = std::time::Instant::now();
         let (mixtures, mut stats) = unaligned::fit_level(&lobes, level, settings, monitor)?;
         stats.seconds = timed.elapsed().as_secs_f64();
+        own_log_likelihood[level] = stats.mean_log_likelihood;
         keep(&mut lobes, level, mixtures, stats, !aligns, report);
     }
     if aligns {
@@ -211,6 +218,7 @@ pub fn fit(
                 _ => break,
             };
             stats.seconds = timed.elapsed().as_secs_f64();
+            stats.log_likelihood_lost = own_log_likelihood[level] - stats.mean_log_likelihood;
             keep(&mut lobes, level, mixtures, stats, true, report);
         }
     }

@@ -1,6 +1,7 @@
 //! Mixtures of von Mises-Fisher lobes: fitting, alignment, storage and shading.
 
 pub mod base_slots;
+pub mod coherence;
 pub mod em;
 pub mod fit;
 pub mod fold;
@@ -26,6 +27,7 @@ use crate::sphere::Mixture;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf;
 
+pub use coherence::Coherence;
 pub use fit::{Alignment, FitEvent, FitSettings, LevelStats};
 pub use monitor::{Cancelled, Monitor};
 pub use pyramid::{BaseSlots, LobePyramid, MixtureLevel};
