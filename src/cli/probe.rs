@@ -10,7 +10,7 @@ use super::fit::check_texel;
 use super::options::{FitArguments, MapArguments, read_text, wait_for_fit, write_text};
 use crate::brdf::Brdf;
 use crate::filter::vmf::{FitSettings, Fold};
-use crate::filter::{Filter, Method, MethodChoice, Truth, VmfFilter};
+use crate::filter::{Filter, Method, MethodChoice, Truth, UnalignedVmf, VmfFilter};
 use crate::normal_map::pyramid::Texel;
 use crate::session::Session;
 use crate::sphere::Direction;
@@ -26,7 +26,7 @@ pub struct ProbeCommand {
     /// How it is fitted, for vmf.
     #[command(flatten)]
     pub fit: FitArguments,
-    /// The method: truth, mip, vmf or vmf:J.
+    /// The method: truth, mip, vmf:J or vmf:J:unaligned.
     #[arg(long, value_name = "METHOD")]
     pub method: MethodChoice,
     /// The BRDF: lambert or blinn-phong:S.
@@ -76,7 +76,7 @@ impl ProbeCommand {
         let mut session = Session::with_map(map, Arc::new(|| {}));
         let mut settings = self.fit.over(FitSettings::default());
         settings.lobes = self.method.lobes.unwrap_or(settings.lobes);
-        if self.method.method == Method::Vmf {
+        if self.method.method.shows_lobes() {
             session.set_threads(self.fit.threads());
             session.begin(settings);
             wait_for_fit(&mut session)?;
@@ -88,10 +88,8 @@ impl ProbeCommand {
             y: texel.y,
             values: omegas.iter().map(|omega| filter.effective_brdf(texel, self.brdf, omega.vector())).collect(),
         };
-        let method = match self.method.method {
-            Method::Vmf => MethodChoice { lobes: Some(settings.lobes), ..self.method }.to_string(),
-            _ => self.method.to_string(),
-        };
+        let lobes = self.method.method.shows_lobes().then_some(settings.lobes);
+        let method = MethodChoice { lobes, ..self.method }.to_string();
         let texels = self.texels.iter().map(texel_report).collect();
         let report = Report { schema: 1, method, brdf: self.brdf.to_string(), texels };
         match &self.json {
@@ -117,10 +115,12 @@ impl ProbeCommand {
 
 /// The filter of a method over what the session holds.
 fn filter_of(session: &Session, method: Method) -> Box<dyn Filter> {
+    let vmf = || VmfFilter { lobes: Arc::clone(session.lobes()), fold: Fold::default() };
     match method {
         Method::Truth => Box::new(Truth { map: Arc::clone(session.map()), samples: 1 }),
         Method::Mip => Box::new(session.mip().as_ref().clone()),
-        Method::Vmf => Box::new(VmfFilter { lobes: Arc::clone(session.lobes()), fold: Fold::default() }),
+        Method::Vmf => Box::new(vmf()),
+        Method::VmfUnaligned => Box::new(UnalignedVmf(vmf())),
     }
 }
 

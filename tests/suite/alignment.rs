@@ -231,12 +231,12 @@ fn an_aligned_map_of_one_normal_is_coherent_and_interpolates_without_error() {
 
 #[test]
 fn a_small_angle_alone_is_no_success() {
-    let map = sample("scales", 64);
+    let map = sample("waves", 128);
     let figures = |align| {
         let lobes = fitted(&map, &FitSettings { align, ..FitSettings::default() });
         coherence::measure(&lobes, 3).expect("fitted")
     };
-    let (smooth, paper) = (figures(Alignment::default()), figures(Alignment::Paper { c: 8.0 }));
+    let (smooth, paper) = (figures(Alignment::default()), figures(Alignment::Paper { c: 2.0 }));
     assert!(paper.coherence_deg < smooth.coherence_deg, "{paper:?} and {smooth:?}");
     assert!(paper.interpolation_error > 2.0 * smooth.interpolation_error, "{paper:?} and {smooth:?}");
 }

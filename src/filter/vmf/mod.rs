@@ -52,6 +52,11 @@ pub struct VmfFilter {
     pub fold: Fold,
 }
 
+/// Shading of each of the eight texels around by its own lobes, and a blend of the results: slower than interpolating
+/// lobes, and right whatever slot a lobe sits in.
+#[derive(Clone, Debug)]
+pub struct UnalignedVmf(pub VmfFilter);
+
 /// Stored lobes of one lookup, all slots.
 #[derive(Clone, Copy, Debug)]
 struct Slots([glam::Vec4; MAX_LOBES]);
@@ -77,21 +82,35 @@ impl std::ops::Mul<f32> for Slots {
 impl VmfFilter {
     /// Interpolated lobes around `uv` in one level; nothing where the level is not fitted.
     fn slots_at(&self, uv: Vec2, level: usize) -> Slots {
-        let map = &self.lobes.map;
-        let (width, height) = map.level_sizes()[level];
-        let grid = Grid { width, height, addressing: map.options.addressing };
+        let taps = self.grid(level).bilinear(uv);
+        taps.into_iter().fold(Slots::EMPTY, |sum, (index, weight)| sum + self.slots_of(level, index) * weight)
+    }
+
+    /// The lobes of one texel, row-major `index`.
+    fn slots_of(&self, level: usize, index: usize) -> Slots {
         let mut slots = Slots::EMPTY;
-        for (index, weight) in grid.bilinear(uv) {
-            if level == 0 {
-                let slot = usize::from(self.fold.0[self.lobes.base_slot(index)]);
-                slots.0[slot] += weight * glam::Vec4::from(self.lobes.base_lobe(index));
-            } else if let Some(mixtures) = self.lobes.level(level) {
-                for (slot, &stored) in mixtures.texel(index % width, index / width).iter().enumerate() {
-                    slots.0[usize::from(self.fold.0[slot])] += weight * glam::Vec4::from(stored);
-                }
+        if level == 0 {
+            let slot = usize::from(self.fold.0[self.lobes.base_slot(index)]);
+            slots.0[slot] = glam::Vec4::from(self.lobes.base_lobe(index));
+        } else if let Some(mixtures) = self.lobes.level(level) {
+            let stored = mixtures.texel(index % mixtures.width, index / mixtures.width);
+            for (slot, &stored) in stored.iter().enumerate() {
+                slots.0[usize::from(self.fold.0[slot])] += glam::Vec4::from(stored);
             }
         }
         slots
+    }
+
+    fn grid(&self, level: usize) -> Grid {
+        let (width, height) = self.lobes.map.level_sizes()[level];
+        Grid { width, height, addressing: self.lobes.map.options.addressing }
+    }
+}
+
+impl Slots {
+    /// What the lobes reflect together.
+    fn shade(&self, light: &LocalLight, material: &Material) -> Vec3 {
+        self.0.iter().filter(|stored| stored.x > EMPTY_WEIGHT).map(|&s| shade_lobe(s, light, material)).sum()
     }
 }
 
@@ -102,8 +121,20 @@ impl Filter for VmfFilter {
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
-        let slots = trilinear(lookup.lod, self.lobes.levels(), |level| self.slots_at(lookup.uv, level));
-        slots.0.iter().filter(|stored| stored.x > EMPTY_WEIGHT).map(|&s| shade_lobe(s, light, material)).sum()
+        trilinear(lookup.lod, self.lobes.levels(), |level| self.slots_at(lookup.uv, level)).shade(light, material)
+    }
+}
+
+impl Filter for UnalignedVmf {
+    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
+        self.0.effective_brdf(texel, brdf, omega)
+    }
+
+    fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
+        let of_texel = |level, (index, weight)| weight * self.0.slots_of(level, index).shade(light, material);
+        trilinear(lookup.lod, self.0.lobes.levels(), |level| {
+            self.0.grid(level).bilinear(lookup.uv).into_iter().map(|tap| of_texel(level, tap)).sum::<Vec3>()
+        })
     }
 }
 

@@ -116,7 +116,7 @@ impl FrameData {
 /// Pipelines, meshes and constants.
 #[derive(Debug)]
 pub struct SurfacePass {
-    pipelines: [wgpu::RenderPipeline; 3],
+    pipelines: [wgpu::RenderPipeline; 4],
     constants: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
     sum_layout: wgpu::BindGroupLayout,
@@ -219,6 +219,17 @@ pub fn index(method: Method) -> usize {
         Method::Truth => 0,
         Method::Mip => 1,
         Method::Vmf => 2,
+        Method::VmfUnaligned => 3,
+    }
+}
+
+/// The shader's entry point.
+fn entry_point(method: Method) -> &'static str {
+    match method {
+        Method::Truth => "truth",
+        Method::Mip => "mip",
+        Method::Vmf => "vmf",
+        Method::VmfUnaligned => "vmf_unaligned",
     }
 }
 
@@ -317,7 +328,7 @@ fn pipeline(
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: shader,
-            entry_point: Some(method.name()),
+            entry_point: Some(entry_point(method)),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(COLOR_FORMAT.into())],
         }),
