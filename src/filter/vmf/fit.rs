@@ -200,12 +200,13 @@ pub fn fit(
 ) -> Result<LobePyramid, Cancelled> {
     let mut lobes = LobePyramid::unfitted(Arc::clone(map));
     let aligns = settings.align != Alignment::None;
-    let mut own_log_likelihood = vec![0.0; lobes.levels()];
+    // By level; the base is not fitted.
+    let mut own_log_likelihood = vec![0.0];
     for level in 1..lobes.levels() {
         let timed = std::time::Instant::now();
         let (mixtures, mut stats) = unaligned::fit_level(&lobes, level, settings, monitor)?;
         stats.seconds = timed.elapsed().as_secs_f64();
-        own_log_likelihood[level] = stats.mean_log_likelihood;
+        own_log_likelihood.push(stats.mean_log_likelihood);
         keep(&mut lobes, level, mixtures, stats, !aligns, report);
     }
     if aligns {

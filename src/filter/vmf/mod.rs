@@ -15,17 +15,18 @@ pub mod seed;
 pub mod smooth;
 pub mod unaligned;
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
 
 use super::sampling::{Grid, trilinear};
 use super::{Filter, LocalLight, Lookup, reflect};
-use crate::brdf::{Brdf, Material};
+use crate::brdf::{Brdf, ConvolutionRule, DiffuseRule, Material};
 use crate::normal_map::pyramid::Texel;
-use crate::sphere::Mixture;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf;
+use crate::sphere::{Lobe, Mixture};
 
 pub use coherence::Coherence;
 pub use fit::{Alignment, FitEvent, FitSettings, LevelStats};
@@ -50,6 +51,23 @@ pub struct VmfFilter {
     pub lobes: Arc<LobePyramid>,
     /// How slots are merged before shading.
     pub fold: Fold,
+    /// How effective BRDFs are found; pictures go by their material's.
+    pub rules: Rules,
+}
+
+/// How a lobe and a BRDF are convolved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rules {
+    /// For the specular part.
+    pub convolution: ConvolutionRule,
+    /// For the diffuse part.
+    pub diffuse: DiffuseRule,
+}
+
+impl Default for Rules {
+    fn default() -> Self {
+        Self { convolution: ConvolutionRule::default(), diffuse: DiffuseRule::Exact }
+    }
 }
 
 /// Shading of each of the eight texels around by its own lobes, and a blend of the results: slower than interpolating
@@ -117,7 +135,13 @@ impl Slots {
 impl Filter for VmfFilter {
     fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
         let mixture = self.lobes.mixture(texel).unwrap_or_default();
-        effective_brdf(&mixture, brdf, omega, crate::brdf::ConvolutionRule::default())
+        let diffuse = |lobe: &Lobe| {
+            lobe.weight * self.rules.diffuse.cosine(lobe.concentration, lobe.mean_direction.dot(omega)) / PI
+        };
+        match brdf {
+            Brdf::Lambert => mixture.lobes.iter().map(|(_, lobe)| diffuse(lobe)).sum(),
+            Brdf::BlinnPhong(_) => effective_brdf(&mixture, brdf, omega, self.rules.convolution),
+        }
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
@@ -145,19 +169,22 @@ fn shade_lobe(stored: glam::Vec4, light: &LocalLight, material: &Material) -> Ve
     let length = resultant.length();
     let mu = resultant / length.max(1e-12);
     let kappa = vmf::concentration(1.0 - f64::from(length));
-    let exponent = material.convolution.blurred_exponent(kappa, f64::from(material.shininess));
-    weight * reflect(material, exponent as f32, mu.dot(light.half_in_tangent), mu.dot(light.light_in_tangent))
+    let (half_cosine, light_cosine) = (mu.dot(light.half_in_tangent), mu.dot(light.light_in_tangent));
+    let shininess = f64::from(material.shininess);
+    if material.convolution != ConvolutionRule::Exact && material.diffuse_rule == DiffuseRule::Cosine {
+        let exponent = material.convolution.blurred_exponent(kappa, shininess) as f32;
+        return weight * reflect(material, exponent, half_cosine, light_cosine);
+    }
+    let specular = material.convolution.convolved(kappa, shininess, f64::from(half_cosine)) as f32;
+    let diffuse = material.diffuse_rule.cosine(kappa, f64::from(light_cosine)) as f32;
+    weight
+        * (material.specular * specular * light_cosine.max(0.0) * material.specular_color
+            + material.diffuse * diffuse * material.diffuse_color)
 }
 
 /// `sum_j alpha_j f_j(mu_j . omega)` with each f_j blurred by its lobe, per steradian.
-pub fn effective_brdf(mixture: &Mixture, brdf: Brdf, omega: DVec3, rule: crate::brdf::ConvolutionRule) -> f64 {
-    let blurred = |kappa: f64| rule.blurred_exponent(kappa, brdf.exponent());
-    mixture
-        .lobes
-        .iter()
-        .map(|(_, lobe)| {
-            let model = crate::brdf::BlinnPhong { shininess: blurred(lobe.concentration) };
-            lobe.weight * model.zonal(lobe.mean_direction.dot(omega))
-        })
-        .sum()
+pub fn effective_brdf(mixture: &Mixture, brdf: Brdf, omega: DVec3, rule: ConvolutionRule) -> f64 {
+    let of_lobe =
+        |lobe: &Lobe| lobe.weight * rule.convolved(lobe.concentration, brdf.exponent(), lobe.mean_direction.dot(omega));
+    mixture.lobes.iter().map(|(_, lobe)| of_lobe(lobe)).sum()
 }

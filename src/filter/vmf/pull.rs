@@ -85,8 +85,8 @@ mod tests {
         }
         for pull in [Pull::Paper { c: 1e9 }, Pull::Map { c: 1e9 }] {
             let turned = pull.turned(LOBE, DVec3::new(0.3, 0.0, 0.4));
-            assert!(turned.normalize().distance(DVec3::new(0.6, 0.0, 0.8)) < 1e-8, "{turned}");
-            assert!((turned.length() - 0.9 * 0.8).abs() < 1e-8, "its projection: {turned}");
+            assert!(turned.normalize().distance(DVec3::new(0.6, 0.0, 0.8)) < 1e-7, "{turned}");
+            assert!((turned.length() - 0.9 * 0.8).abs() < 1e-7, "its projection: {turned}");
         }
     }
 

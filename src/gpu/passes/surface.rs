@@ -93,7 +93,8 @@ impl FrameData {
             radiance: surface.light.radiance().to_array(),
             convolution: match material.convolution {
                 ConvolutionRule::Paper => 0,
-                ConvolutionRule::ShiftedExponent => 1,
+                // The exact convolution is the processor's alone; this rule is the nearest to it.
+                ConvolutionRule::ShiftedExponent | ConvolutionRule::Exact => 1,
                 ConvolutionRule::Moment => 2,
             },
             specular_color: material.specular_color.to_array(),
