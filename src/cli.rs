@@ -1,6 +1,7 @@
 //! The command line: what can be asked for, and the way it is carried out.
 
 pub mod adapters;
+pub mod export;
 pub mod fit;
 pub mod options;
 pub mod probe;
@@ -8,7 +9,7 @@ pub mod render;
 pub mod sample;
 pub mod screenshot;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 use options::MapArguments;
@@ -29,6 +30,9 @@ pub struct Cli {
     /// How the map is read.
     #[command(flatten)]
     pub map_arguments: MapArguments,
+    /// Write a line for every frame of the window: its start and the program's own time, in milliseconds.
+    #[arg(long, value_name = "FILE")]
+    pub frame_log: Option<PathBuf>,
 }
 
 /// The commands beside the window.
@@ -42,19 +46,21 @@ pub enum Command {
     Render(render::RenderCommand),
     /// The whole window as a PNG, without a display.
     Screenshot(screenshot::ScreenshotCommand),
+    /// Write results for other programs.
+    Export(export::ExportCommand),
     /// Write a bundled map, or list them.
     Sample(sample::SampleCommand),
     /// What graphics adapter would be used, and why.
     Adapters,
 }
 
-/// Opens the window on a map, or on the bundled sample.
+/// Opens the window on the map that was named, or on the bundled sample.
 ///
 /// # Errors
 /// One sentence that says why there is no window, and what to do instead.
-pub fn open_window(map: Option<&Path>, arguments: &MapArguments) -> anyhow::Result<()> {
-    let request = map.map(|path| arguments.request(path, MapOptions::default()));
-    Ok(window::run(move |wake| {
+pub fn open_window(cli: &Cli) -> anyhow::Result<()> {
+    let request = cli.map.as_deref().map(|path| cli.map_arguments.request(path, MapOptions::default()));
+    let make = move |wake| {
         let mut session = Session::new(wake);
         session.remember_recent();
         session.refit();
@@ -62,7 +68,8 @@ pub fn open_window(map: Option<&Path>, arguments: &MapArguments) -> anyhow::Resu
             session.open(request);
         }
         session
-    })?)
+    };
+    Ok(window::run(make, cli.frame_log.as_deref())?)
 }
 
 /// Carries out a command.
@@ -75,6 +82,7 @@ pub fn run(command: Command) -> anyhow::Result<()> {
         Command::Probe(command) => command.run(),
         Command::Render(command) => command.run(),
         Command::Screenshot(command) => command.run(),
+        Command::Export(command) => command.run(),
         Command::Sample(command) => command.run(),
         Command::Adapters => adapters::run(),
     }

@@ -10,7 +10,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Some(command) => cli::run(command),
-        None => cli::open_window(cli.map.as_deref(), &cli.map_arguments),
+        None => cli::open_window(&cli),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

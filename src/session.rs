@@ -10,7 +10,7 @@ pub mod fitting;
 pub mod opening;
 pub mod recent;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use crate::filter::vmf::{FitSettings, LobePyramid};
@@ -20,8 +20,8 @@ use crate::lit_surface::LitSurface;
 use crate::normal_map::pyramid::Texel;
 use crate::normal_map::{MapOptions, MapSource, NormalMap, procedural};
 use fitting::Fitting;
-pub use opening::MapRequest;
 use opening::Opening;
+pub use opening::{MapRequest, OpenedMap};
 
 /// What is compared on the lit surface.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -42,12 +42,30 @@ impl Default for Comparison {
 }
 
 /// A sentence for the user.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Message {
     /// The sentence.
     pub text: String,
     /// True for an error, false for a remark.
     pub is_error: bool,
+    /// What the user may want instead.
+    pub offer: Option<Offer>,
+}
+
+/// Another way to open what could not be opened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Offer {
+    /// What the button says.
+    pub label: &'static str,
+    /// What it opens.
+    pub request: MapRequest,
+}
+
+impl Message {
+    /// An error.
+    pub fn error(text: impl Into<String>) -> Self {
+        Self { text: text.into(), is_error: true, offer: None }
+    }
 }
 
 /// What is open, chosen and fitted.
@@ -59,7 +77,8 @@ pub struct Session {
     /// Samples per pixel at which the truth is done.
     pub truth_samples: u32,
     map: Arc<NormalMap>,
-    mip: Arc<PlainMip>,
+    /// Made when it is first asked for: a fit alone needs none, and it is as large as the map.
+    mip: OnceLock<Arc<PlainMip>>,
     selected: Texel,
     fitting: Fitting,
     opening: Opening,
@@ -77,20 +96,28 @@ impl Session {
 
     /// A session with this map, not fitted yet.
     pub fn with_map(map: NormalMap, wake: Wake) -> Self {
-        let map = Arc::new(map);
-        let mip = Arc::new(PlainMip::new(Arc::clone(&map)));
+        Self::with_opened(map.into(), wake)
+    }
+
+    /// A session with a map that was read, and with the fit that came along.
+    pub fn with_opened(opened: OpenedMap, wake: Wake) -> Self {
+        let map = opened.map;
+        let mut fitting = Fitting::new(Arc::clone(&map), FitSettings::default());
+        if let Some(fit) = opened.fit {
+            fitting.adopt_fit(fit);
+        }
         Self {
             surface: LitSurface::default(),
             comparison: Comparison::default(),
             truth_samples: 1024,
             selected: default_selection(&map),
-            fitting: Fitting::new(Arc::clone(&map), FitSettings::default()),
+            fitting,
             opening: Opening::default(),
             recent: recent::RecentFiles::default(),
             messages: Vec::new(),
             map_revision: 1,
             map,
-            mip,
+            mip: OnceLock::new(),
             wake,
         }
     }
@@ -102,7 +129,7 @@ impl Session {
 
     /// Its mean normals.
     pub fn mip(&self) -> &Arc<PlainMip> {
-        &self.mip
+        self.mip.get_or_init(|| Arc::new(PlainMip::new(Arc::clone(&self.map))))
     }
 
     /// Grows whenever another map is open.
@@ -159,15 +186,22 @@ impl Session {
         self.fitting.set_threads(threads);
     }
 
-    /// Starts the first fit with these settings.
+    /// Keeps no level before it is finished: nobody looks at a fit under way, and the memory is worth having.
+    pub fn skip_previews(&mut self) {
+        self.fitting.skip_previews();
+    }
+
+    /// Starts the first fit with these settings; nothing where the lobes of a file are that fit already.
     pub fn begin(&mut self, settings: FitSettings) {
-        self.fitting.restart(settings);
-        self.start_fit();
+        if !self.fitting.is_complete() || settings != *self.fitting.settings() {
+            self.fitting.restart(settings);
+            self.start_fit();
+        }
     }
 
     fn start_fit(&mut self) {
         if let Err(message) = self.fitting.start(&self.wake) {
-            self.report(Message { text: message, is_error: true });
+            self.report(Message::error(message));
         }
     }
 
@@ -184,15 +218,20 @@ impl Session {
     /// Opens a map in the background; the open one stays until the new one is read.
     pub fn open(&mut self, request: MapRequest) {
         if let Err(message) = self.opening.start(request, &self.wake) {
-            self.report(Message { text: message, is_error: true });
+            self.report(Message::error(message));
         }
     }
 
     /// Asks for a file in the system's dialog, off the window's thread, then opens it.
     pub fn open_dialog(&mut self) {
-        if let Err(message) = self.opening.start_dialog(self.map.options.clone(), &self.wake) {
-            self.report(Message { text: message, is_error: true });
+        if let Err(message) = self.opening.start_dialog(self.options_for_another_map(), &self.wake) {
+            self.report(Message::error(message));
         }
+    }
+
+    /// How another map is read: by the conventions of the open one, which tend to come together, but as normals.
+    pub fn options_for_another_map(&self) -> MapOptions {
+        MapOptions { height_scale: None, two_channel: false, ..self.map.options.clone() }
     }
 
     /// Reads the open map anew with other options.
@@ -235,35 +274,46 @@ impl Session {
     pub fn wait(&mut self, timeout: Duration) {
         let mut messages = Vec::new();
         self.fitting.wait(timeout, &mut messages);
-        messages.into_iter().for_each(|text| self.report(Message { text, is_error: true }));
+        for text in messages {
+            self.report(Message::error(text));
+        }
         self.poll();
     }
 
     /// Takes the jobs' news; true if anything changed.
     pub fn poll(&mut self) -> bool {
-        let (news, mut messages) = self.opening.poll();
-        let mut changed = news.is_some() || !messages.is_empty();
-        if let Some((map, mip)) = news {
-            self.adopt(map, mip);
+        let (news, refused) = self.opening.poll();
+        let mut messages = Vec::new();
+        let mut changed = news.is_some() || refused.is_some();
+        self.messages.extend(refused);
+        if let Some((opened, mip)) = news {
+            self.adopt(opened, mip);
         }
         changed |= self.fitting.poll(&mut messages);
-        messages.into_iter().for_each(|text| self.report(Message { text, is_error: true }));
+        for text in messages {
+            self.report(Message::error(text));
+        }
         changed
     }
 
-    /// Takes a map that was read.
-    fn adopt(&mut self, map: Arc<NormalMap>, mip: Arc<PlainMip>) {
+    /// Takes a map that was read, and its fit or a new one.
+    fn adopt(&mut self, opened: OpenedMap, mip: Arc<PlainMip>) {
+        let OpenedMap { map, fit } = opened;
         if let MapSource::File(path) = &map.source
             && let Err(error) = self.recent.push(path)
         {
             log::warn!("{error}");
         }
-        self.fitting.adopt(Arc::clone(&map));
         self.selected =
             if map.level_sizes() == self.map.level_sizes() { self.selected } else { default_selection(&map) };
-        (self.map, self.mip) = (map, mip);
+        (self.map, self.mip) = (map, mip.into());
         self.map_revision += 1;
-        self.start_fit();
+        if let Some(fit) = fit {
+            self.fitting.adopt_fit(fit);
+        } else {
+            self.fitting.adopt(Arc::clone(&self.map));
+            self.start_fit();
+        }
     }
 }
 

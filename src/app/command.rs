@@ -42,7 +42,7 @@ impl Command {
             Self::Open(request) => session.open(request),
             Self::OpenDialog => session.open_dialog(),
             Self::OpenPath(path) => {
-                let options = session.map().options.clone();
+                let options = session.options_for_another_map();
                 session.open(MapRequest::File { path, options });
             }
             Self::Reopen(options) => session.reopen(options),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use egui::{CentralPanel, Frame, Margin, Panel};
 
+use super::command::Command;
 use super::map_picture::MapTextures;
 use super::panels::{PanelContext, controls, map_panel, sphere_panel, status_bar, surface_panel, toasts, top_bar};
 use super::texel_report::TexelReport;
@@ -95,17 +96,19 @@ impl Inspector {
             hover: &mut hover,
         };
         lay_out(ui, &mut context, self.hover.as_deref());
-        toasts::show(ui.ctx(), &mut self.messages);
+        commands.extend(toasts::show(ui.ctx(), &mut self.messages).map(Command::Open));
         if hover != self.hover || !commands.is_empty() {
             ui.ctx().request_repaint();
         }
         self.hover = hover;
-        commands.into_iter().for_each(|command| command.run(&mut self.session));
+        for command in commands {
+            command.run(&mut self.session);
+        }
     }
 
     fn open_dropped(&mut self, ctx: &egui::Context) {
         let Some(file) = ctx.input(|input| input.raw.dropped_files.last().cloned()) else { return };
-        let options = self.session.map().options.clone();
+        let options = self.session.options_for_another_map();
         let path = file.path().to_owned();
         if path.is_absolute() {
             self.session.open(MapRequest::File { path, options });
@@ -118,7 +121,7 @@ impl Inspector {
             }
             Err(error) => {
                 let text = format!("The dropped file {} cannot be read: {error}.", path.display());
-                self.session.report(Message { text, is_error: true });
+                self.session.report(Message::error(text));
             }
         }
     }

@@ -55,7 +55,7 @@ impl MapProjection {
     pub fn texel(&self, position: Pos2, level: usize, size: (usize, usize)) -> Option<Texel> {
         let uv = self.uv(position);
         let inside = (0.0..1.0).contains(&uv.x) && (0.0..1.0).contains(&uv.y);
-        inside.then(|| Texel { level, x: (uv.x * size.0 as f32) as usize, y: (uv.y * size.1 as f32) as usize })
+        inside.then_some(Texel { level, x: (uv.x * size.0 as f32) as usize, y: (uv.y * size.1 as f32) as usize })
     }
 
     /// Zooms by `factor` around `position` and returns the view that shows it.

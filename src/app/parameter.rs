@@ -98,7 +98,8 @@ impl Parameter {
     fn explanation(&self) -> String {
         let [low, high] = self.range;
         let unit = self.unit;
-        format!("{}\n{low}{unit} to {high}{unit}, default {}{unit}. Double click resets.", self.tooltip, self.default)
+        let default = format!("{:.*}", self.decimals, self.default);
+        format!("{}\n{low}{unit} to {high}{unit}, default {default}{unit}. Double click resets.", self.tooltip)
     }
 }
 

@@ -1,6 +1,10 @@
 //! The native window: which adapter draws it, and what is said where none can open.
 
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use eframe::{CreationContext, Frame, NativeOptions};
 use egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
@@ -8,6 +12,7 @@ use egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 use super::inspector::{Inspector, Surroundings, wake_of};
 use super::viewport::PaintTarget;
 use crate::gpu::context::{self, AdapterChoice};
+use crate::gpu::frame::FrameBudget;
 use crate::jobs::Wake;
 use crate::session::Session;
 
@@ -32,6 +37,9 @@ pub enum WindowError {
          `fit` and `probe` work without a graphics adapter"
     )]
     NoAdapter(String),
+    /// The frame log cannot be written.
+    #[error("the frame log '{0}' cannot be written: {1}")]
+    FrameLog(String, std::io::Error),
     /// Anything else the windowing system said.
     #[error(
         "no window can be opened: {0}; \
@@ -42,21 +50,54 @@ pub enum WindowError {
 
 struct Window {
     inspector: Inspector,
+    log: Option<FrameLog>,
+}
+
+/// A file with one line per frame: milliseconds since the window opened when the frame began, and milliseconds that
+/// the program itself spent on it, drawing by the adapter left out. The gaps between lines are the pace.
+struct FrameLog {
+    file: BufWriter<File>,
+    opened: Instant,
+    began: Instant,
+}
+
+impl FrameLog {
+    fn create(path: &Path) -> Result<Self, WindowError> {
+        let file = File::create(path).map_err(|cause| WindowError::FrameLog(path.display().to_string(), cause))?;
+        Ok(Self { file: BufWriter::new(file), opened: Instant::now(), began: Instant::now() })
+    }
+
+    fn end(&mut self) {
+        let milliseconds = |duration: Duration| duration.as_secs_f64() * 1000.0;
+        let (at, took) = (milliseconds(self.began - self.opened), milliseconds(self.began.elapsed()));
+        let written = writeln!(self.file, "{at:.3} {took:.3}").and_then(|()| self.file.flush());
+        if let Err(error) = written {
+            log::warn!("a line of the frame log was lost: {error}");
+        }
+    }
 }
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut Frame) {
+        if let Some(log) = &mut self.log {
+            log.began = Instant::now();
+        }
         self.inspector.logic(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut Frame) {
         self.inspector.ui(ui);
+        if let Some(log) = &mut self.log {
+            log.end();
+        }
     }
 }
 
-/// Opens the window on the session that `make` builds, and returns when it is closed.
-pub fn run(make: impl FnOnce(Wake) -> Session) -> Result<(), WindowError> {
+/// Opens the window on the session that `make` builds, and returns when it is closed. Every frame leaves a line in
+/// `frame_log`, where that is given.
+pub fn run(make: impl FnOnce(Wake) -> Session, frame_log: Option<&Path>) -> Result<(), WindowError> {
     check_display()?;
+    let log = frame_log.map(FrameLog::create).transpose()?;
     let options = NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("NDF Inspector")
@@ -70,7 +111,7 @@ pub fn run(make: impl FnOnce(Wake) -> Session) -> Result<(), WindowError> {
     };
     let create = Box::new(|creation: &CreationContext<'_>| {
         let inspector = inspector(creation, make)?;
-        Ok(Box::new(Window { inspector }) as Box<dyn eframe::App>)
+        Ok(Box::new(Window { inspector, log }) as Box<dyn eframe::App>)
     });
     eframe::run_native("ndf-inspector", options, create).map_err(|error| explain(&error))
 }
@@ -79,11 +120,12 @@ type DynError = Box<dyn std::error::Error + Send + Sync>;
 
 fn inspector(creation: &CreationContext<'_>, make: impl FnOnce(Wake) -> Session) -> Result<Inspector, DynError> {
     let state = creation.wgpu_render_state.as_ref().ok_or("the window came without a graphics device")?;
-    let surroundings = Surroundings {
-        adapter: AdapterChoice::of(&state.adapter.get_info()),
-        target: PaintTarget { format: state.target_format, ..Default::default() },
-        live: true,
-    };
+    let adapter = AdapterChoice::of(&state.adapter.get_info());
+    // A processor that draws has little to spare: small steps keep the pointer's moves fluent.
+    let truth_batch = if adapter.software { 4 } else { 16 };
+    let budget = FrameBudget { truth_batch, ..Default::default() };
+    let target = PaintTarget { format: state.target_format, budget, ..Default::default() };
+    let surroundings = Surroundings { adapter, target, live: true };
     let ctx = &creation.egui_ctx;
     Ok(Inspector::new(ctx, make(wake_of(ctx)), surroundings))
 }
@@ -121,19 +163,21 @@ fn check_display() -> Result<(), WindowError> {
 fn library_is_there(file: &str) -> bool {
     let own = std::env::var("LD_LIBRARY_PATH").unwrap_or_default();
     let system = ["/lib", "/lib64", "/usr/lib", "/usr/lib64", "/usr/local/lib"];
-    let mut folders: Vec<std::path::PathBuf> = own.split(':').filter(|f| !f.is_empty()).map(Into::into).collect();
+    let mut folders: Vec<PathBuf> = own.split(':').filter(|f| !f.is_empty()).map(Into::into).collect();
     folders.extend(system.iter().map(Into::into));
-    let below = |folder: &std::path::Path| -> Vec<std::path::PathBuf> {
+    let below = |folder: &Path| -> Vec<PathBuf> {
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
         entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect()
     };
     let nested: Vec<_> = folders.iter().flat_map(|folder| below(folder)).collect();
     folders.extend(nested);
     let mut present = folders.iter().filter(|folder| folder.is_dir()).peekable();
-    present.peek().is_none() || present.any(|folder| folder.join(file).exists()) || !folders.iter().any(has_libc)
+    present.peek().is_none()
+        || present.any(|folder| folder.join(file).exists())
+        || !folders.iter().any(|folder| has_libc(folder))
 }
 
-fn has_libc(folder: &std::path::PathBuf) -> bool {
+fn has_libc(folder: &Path) -> bool {
     folder.join("libc.so.6").exists()
 }
 
@@ -142,6 +186,6 @@ fn explain(error: &eframe::Error) -> WindowError {
     match error {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => WindowError::NoDisplay(text),
         eframe::Error::Wgpu(_) => WindowError::NoAdapter(text),
-        _ => WindowError::Other(text),
+        eframe::Error::AppCreation(_) => WindowError::Other(text),
     }
 }

@@ -27,17 +27,22 @@ pub struct Material {
     pub diffuse_rule: DiffuseRule,
 }
 
+impl Material {
+    /// What a new session starts with.
+    pub const DEFAULT: Self = Self {
+        shininess: 64.0,
+        specular: 0.1,
+        diffuse: 0.5,
+        specular_color: Vec3::new(1.0, 0.96, 0.9),
+        diffuse_color: Vec3::new(0.32, 0.36, 0.45),
+        convolution: ConvolutionRule::ShiftedExponent,
+        diffuse_rule: DiffuseRule::Cosine,
+    };
+}
+
 impl Default for Material {
     fn default() -> Self {
-        Self {
-            shininess: 64.0,
-            specular: 0.1,
-            diffuse: 0.5,
-            specular_color: Vec3::new(1.0, 0.96, 0.9),
-            diffuse_color: Vec3::new(0.32, 0.36, 0.45),
-            convolution: ConvolutionRule::default(),
-            diffuse_rule: DiffuseRule::default(),
-        }
+        Self::DEFAULT
     }
 }
 

@@ -1,14 +1,16 @@
 //! `fit`: lobes of every texel of every level; chosen texels and levels as text or JSON.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args;
+use glam::Vec3;
 use serde::Serialize;
 
+use super::export::write_lobes;
 use super::options::{FitArguments, MapArguments, wait_for_fit, write_text};
-use crate::filter::vmf::{Coherence, FitSettings, smooth};
+use crate::filter::vmf::{Coherence, smooth};
 use crate::normal_map::pyramid::{Footprint, Texel};
 use crate::session::Session;
 use crate::sphere::direction::polar_deg;
@@ -31,6 +33,9 @@ pub struct FitCommand {
     /// Write the result as JSON to FILE, - for standard output.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Write the lobes of every level as OpenEXR to FILE, - for standard output.
+    #[arg(long, value_name = "FILE")]
+    pub exr: Option<PathBuf>,
 }
 
 /// The result, schema 1; others script against it.
@@ -85,7 +90,16 @@ struct TexelReport {
     y: usize,
     samples: usize,
     mean_log_likelihood: f64,
-    lobes: Vec<Lobe>,
+    lobes: Vec<LobeReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct LobeReport {
+    #[serde(flatten)]
+    lobe: Lobe,
+    /// Linear RGB; left out for a map without colour.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    color: Option<Vec3>,
 }
 
 impl FitCommand {
@@ -94,20 +108,25 @@ impl FitCommand {
     /// # Errors
     /// One sentence that names the file and the cause.
     pub fn run(self) -> anyhow::Result<()> {
-        let map = self.map_arguments.read(&self.map)?;
-        let sizes = map.level_sizes();
+        let opened = self.map_arguments.read(&self.map)?;
+        let sizes = opened.map.level_sizes();
         self.texels.iter().try_for_each(|texel| check_texel(*texel, &sizes))?;
-        let mut session = Session::with_map(map, Arc::new(|| {}));
-        let settings = self.fit.over(FitSettings::default());
+        let mut session = Session::with_opened(opened, Arc::new(|| {}));
+        let settings = self.fit.over(*session.fit_settings());
         let start = Instant::now();
         session.set_threads(self.fit.threads());
+        session.skip_previews();
         session.begin(settings);
         wait_for_fit(&mut session)?;
         let seconds = start.elapsed().as_secs_f64();
         session.measure_coherence();
         let report = self.report(&session, seconds);
+        if let Some(path) = &self.exr {
+            write_lobes(path, &session)?;
+        }
         match &self.json {
             Some(path) => write_text(path, &serde_json::to_string_pretty(&report)?),
+            None if self.exr.as_deref() == Some(Path::new("-")) => Ok(()),
             None => write_text("-".as_ref(), report.to_text().trim_end()),
         }
     }
@@ -187,7 +206,11 @@ fn texel_report(session: &Session, texel: Texel) -> TexelReport {
         y: texel.y,
         samples: footprint.len(),
         mean_log_likelihood,
-        lobes: mixture.lobes.into_iter().map(|(_, lobe)| lobe).collect(),
+        lobes: mixture
+            .lobes
+            .into_iter()
+            .map(|(slot, lobe)| LobeReport { lobe, color: lobes.lobe_color(texel, slot) })
+            .collect(),
     }
 }
 
@@ -234,13 +257,15 @@ impl TexelReport {
             "\ntexel {},{},{}: {} normals, mean log-likelihood {:.6}\n    theta      phi      kappa   alpha        mu x      mu y      mu z\n",
             self.level, self.x, self.y, self.samples, self.mean_log_likelihood
         );
-        for lobe in &self.lobes {
+        for LobeReport { lobe, color } in &self.lobes {
             let (theta, phi) = polar_deg(lobe.mean_direction.as_vec3());
             let mu = lobe.mean_direction;
             text += &format!(
-                "{theta:>9.3} {phi:>8.3} {:>10.3} {:>7.4}   {:>9.6} {:>9.6} {:>9.6}\n",
+                "{theta:>9.3} {phi:>8.3} {:>10.3} {:>7.4}   {:>9.6} {:>9.6} {:>9.6}",
                 lobe.concentration, lobe.weight, mu.x, mu.y, mu.z
             );
+            text += &color.map_or_else(String::new, |y| format!("   colour {:.4} {:.4} {:.4}", y.x, y.y, y.z));
+            text += "\n";
         }
         text
     }

@@ -10,8 +10,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::filter::vmf::{Alignment, FitSettings};
 use crate::image_io::write_bytes_atomically;
-use crate::normal_map::{Addressing, GreenChannel, MapOptions, NormalMap};
-use crate::session::{MapRequest, Session, opening};
+use crate::normal_map::{Addressing, GreenChannel, MapOptions};
+use crate::session::{MapRequest, OpenedMap, Session, opening};
 use crate::sphere::vmf::KappaRule;
 
 /// How a map is read.
@@ -32,6 +32,9 @@ pub struct MapArguments {
     /// The edge texel goes on beyond the edge.
     #[arg(long)]
     pub clamp: bool,
+    /// An image of the surface's colour, fitted along: sRGB, or linear where it is of floats.
+    #[arg(long, value_name = "FILE")]
+    pub color: Option<PathBuf>,
 }
 
 /// The green channel's convention.
@@ -41,6 +44,8 @@ pub enum Green {
     Up,
     /// +Y down, as DirectX has it.
     Down,
+    /// Whichever makes the slopes a surface.
+    Auto,
 }
 
 impl MapArguments {
@@ -50,6 +55,7 @@ impl MapArguments {
             green: match self.green {
                 Some(Green::Up) => GreenChannel::Up,
                 Some(Green::Down) => GreenChannel::Down,
+                Some(Green::Auto) => GreenChannel::Auto,
                 None => base.green,
             },
             addressing: match (self.wrap, self.clamp) {
@@ -59,6 +65,7 @@ impl MapArguments {
             },
             two_channel: self.two_channel || base.two_channel,
             height_scale: self.height_scale.or(base.height_scale),
+            color: self.color.clone().or(base.color),
         }
     }
 
@@ -71,12 +78,12 @@ impl MapArguments {
         }
     }
 
-    /// Reads `path` now.
+    /// Reads `path` now, a map or a fit.
     ///
     /// # Errors
     /// One sentence that names the file and the cause.
-    pub fn read(&self, path: &Path) -> anyhow::Result<NormalMap> {
-        opening::read(&self.request(path, MapOptions::default())).map_err(anyhow::Error::msg)
+    pub fn read(&self, path: &Path) -> anyhow::Result<OpenedMap> {
+        opening::read(&self.request(path, MapOptions::default())).map_err(|message| anyhow::anyhow!(message.text))
     }
 }
 
@@ -89,7 +96,7 @@ pub struct FitArguments {
     /// What a fit maximises.
     #[arg(long, value_enum, default_value_t)]
     pub objective: Objective,
-    /// How lobes are aligned: smooth[:B], paper:C, map:C or none.
+    /// How lobes are aligned: smooth, smooth:B, paper:C, map:C or none.
     #[arg(long)]
     pub align: Option<Alignment>,
     /// Most EM iterations per texel.

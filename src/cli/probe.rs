@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::fit::check_texel;
 use super::options::{FitArguments, MapArguments, read_text, wait_for_fit, write_text};
 use crate::brdf::{Brdf, ConvolutionRule, DiffuseRule};
-use crate::filter::vmf::{Alignment, FitSettings, Fold, Rules};
+use crate::filter::vmf::{Alignment, Fold, Rules};
 use crate::filter::{Filter, Method, MethodChoice, Truth, UnalignedVmf, VmfFilter};
 use crate::normal_map::pyramid::Texel;
 use crate::session::Session;
@@ -101,11 +101,11 @@ impl ProbeCommand {
     /// One sentence that names the file and the cause.
     pub fn run(self) -> anyhow::Result<()> {
         let omegas = self.directions()?;
-        let map = self.map_arguments.read(&self.map)?;
-        let sizes = map.level_sizes();
+        let opened = self.map_arguments.read(&self.map)?;
+        let sizes = opened.map.level_sizes();
         self.texels.iter().try_for_each(|texel| check_texel(*texel, &sizes))?;
-        let mut session = Session::with_map(map, Arc::new(|| {}));
-        let mut settings = self.fit.over(FitSettings::default());
+        let mut session = Session::with_opened(opened, Arc::new(|| {}));
+        let mut settings = self.fit.over(*session.fit_settings());
         settings.lobes = self.method.lobes.unwrap_or(settings.lobes);
         if self.method.method == Method::VmfUnaligned {
             // Each texel's own best fit serves unaligned shading best.
@@ -113,6 +113,7 @@ impl ProbeCommand {
         }
         if self.method.method.shows_lobes() {
             session.set_threads(self.fit.threads());
+            session.skip_previews();
             session.begin(settings);
             wait_for_fit(&mut session)?;
         }

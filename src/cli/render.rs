@@ -126,12 +126,15 @@ impl SceneArguments {
                 file.map_request()
             }
         };
-        let map = match request {
-            Some(request) => opening::read(&request).map_err(anyhow::Error::msg)?,
-            None => procedural::default_map(),
+        let opened = match request {
+            Some(request) => opening::read(&request).map_err(|message| anyhow::anyhow!(message.text))?,
+            None => procedural::default_map().into(),
         };
+        if let (Some(fit), None) = (&opened.fit, &self.session) {
+            file.fit = fit.settings;
+        }
         self.apply_to(&mut file);
-        let mut session = Session::with_map(map, Arc::new(|| {}));
+        let mut session = Session::with_opened(opened, Arc::new(|| {}));
         session.set_threads(self.fit.threads());
         session.apply(&file);
         Ok(session)
@@ -183,7 +186,7 @@ impl RenderCommand {
         let comparison = session.comparison;
         let shown = [(comparison.wipe > 0.0, comparison.left), (comparison.wipe < 1.0, comparison.right)];
         if shown.into_iter().any(|(is_seen, method)| is_seen && method.shows_lobes()) {
-            session.refit();
+            session.begin(*session.fit_settings());
             wait_for_fit(&mut session)?;
         }
         let PictureSize(size) = self.size;

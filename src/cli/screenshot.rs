@@ -49,7 +49,7 @@ impl ScreenshotCommand {
         let settings = ScreenshotSettings { size, px_per_point: self.scale, wait: !self.no_wait };
         let mut window = Headless::new(&gpu, settings, |wake| {
             session.set_wake(wake);
-            session.refit();
+            session.begin(*session.fit_settings());
             session
         });
         let picture = window.screenshot()?;

@@ -20,6 +20,8 @@ pub struct PlainMip {
     /// `levels[k]`: the mean normal of each texel of level `k`, row by row, not normalised; zero where no base
     /// texel is valid.
     pub levels: Vec<Vec<Vec3>>,
+    /// `colors[k]`: the mean colour of each texel of level `k`; no levels for a map without colour.
+    pub colors: Vec<Vec<Vec3>>,
 }
 
 impl PlainMip {
@@ -30,12 +32,24 @@ impl PlainMip {
             let footprint = Footprint::new(base, size, (index % size.0, index / size.0));
             mean_normal(&map, &footprint).unwrap_or(DVec3::ZERO).as_vec3()
         };
-        let levels = map
-            .level_sizes()
-            .into_iter()
-            .map(|size| (0..size.0 * size.1).into_par_iter().map(|index| mean(size, index)).collect())
-            .collect();
-        Self { map, levels }
+        let color = |size: (usize, usize), index: usize| {
+            mean_color(&map, &Footprint::new(base, size, (index % size.0, index / size.0)))
+        };
+        let sizes = map.level_sizes();
+        let levels = sizes.iter().map(|&size| each_texel(size, &mean)).collect();
+        let colored = if map.albedo.is_some() { sizes.as_slice() } else { &[] };
+        let colors = colored.iter().map(|&size| each_texel(size, &color)).collect();
+        Self { map, levels, colors }
+    }
+
+    /// The interpolated mean colour; white for a map without colour.
+    fn color(&self, lookup: &Lookup) -> Vec3 {
+        if self.colors.is_empty() {
+            return Vec3::ONE;
+        }
+        trilinear(lookup.lod, self.colors.len(), |level| {
+            self.grid(level).bilinear(lookup.uv).into_iter().map(|(index, w)| w * self.colors[level][index]).sum()
+        })
     }
 
     fn grid(&self, level: usize) -> Grid {
@@ -56,6 +70,20 @@ pub fn mean_normal(map: &NormalMap, footprint: &Footprint) -> Option<DVec3> {
     (area > 0.0).then(|| sum / area)
 }
 
+fn each_texel(size: (usize, usize), value: &(dyn Fn((usize, usize), usize) -> Vec3 + Sync)) -> Vec<Vec3> {
+    (0..size.0 * size.1).into_par_iter().map(|index| value(size, index)).collect()
+}
+
+/// The area-weighted mean of the footprint's colours, summed in f64.
+fn mean_color(map: &NormalMap, footprint: &Footprint) -> Vec3 {
+    let (mut sum, mut area) = (DVec3::ZERO, 0.0);
+    for (x, y, weight) in footprint.texels() {
+        sum += f64::from(weight) * map.color(y * map.width + x).as_dvec3();
+        area += f64::from(weight);
+    }
+    (sum / area).as_vec3()
+}
+
 impl Filter for PlainMip {
     fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
         let width = self.map.level_sizes()[texel.level].0;
@@ -70,6 +98,7 @@ impl Filter for PlainMip {
         let normal: Vec3 = mean;
         let normal = normal.normalize_or_zero();
         let half_cosine = normal.dot(light.half_in_tangent);
-        reflect(material, material.shininess, half_cosine, normal.dot(light.light_in_tangent))
+        let reflected = reflect(material, material.shininess, half_cosine, normal.dot(light.light_in_tangent));
+        self.color(lookup) * reflected
     }
 }

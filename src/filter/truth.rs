@@ -53,12 +53,13 @@ pub fn nearest_texel(coordinate: f32, size: usize, addressing: Addressing) -> us
 }
 
 impl Truth {
-    /// The normal under a point of the map; zero where it is invalid.
-    fn normal_at(&self, uv: Vec2) -> Vec3 {
+    /// The normal under a point of the map, zero where it is invalid, and the colour there.
+    fn texel_at(&self, uv: Vec2) -> (Vec3, Vec3) {
         let map = &self.map;
         let x = nearest_texel(uv.x, map.width, map.options.addressing);
         let y = nearest_texel(uv.y, map.height, map.options.addressing);
-        map.normal(y * map.width + x).unwrap_or(Vec3::ZERO)
+        let index = y * map.width + x;
+        (map.normal(index).unwrap_or(Vec3::ZERO), map.color(index))
     }
 }
 
@@ -71,9 +72,9 @@ impl Filter for Truth {
         let mut sum = Vec3::ZERO;
         for index in 0..self.samples {
             let offset = jitter(lookup.pixel, index);
-            let normal = self.normal_at(lookup.uv + offset.x * lookup.uv_dx + offset.y * lookup.uv_dy);
+            let (normal, color) = self.texel_at(lookup.uv + offset.x * lookup.uv_dx + offset.y * lookup.uv_dy);
             let half_cosine = normal.dot(light.half_in_tangent);
-            sum += reflect(material, material.shininess, half_cosine, normal.dot(light.light_in_tangent));
+            sum += color * reflect(material, material.shininess, half_cosine, normal.dot(light.light_in_tangent));
         }
         sum / self.samples as f32
     }

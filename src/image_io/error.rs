@@ -93,7 +93,7 @@ pub enum WriteImageError {
     #[error("'{name}' cannot be written: {samples} samples do not make {width}x{height} texels")]
     WrongLength { name: String, samples: usize, width: usize, height: usize },
     /// The samples could not be encoded.
-    #[error("'{name}' cannot be written: its texels could not be encoded as PNG")]
+    #[error("'{name}' cannot be written: its texels could not be encoded")]
     Encoding { name: String },
 }
 
@@ -106,6 +106,7 @@ impl WriteImageError {
             ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => Self::Permission { name },
             ErrorKind::IsADirectory => Self::Folder { name },
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded => Self::DiskFull { name },
+            ErrorKind::InvalidData => Self::Encoding { name },
             cause => Self::System { name, cause },
         }
     }

@@ -4,6 +4,7 @@
 //! rounding of the samples is part of what a normal map holds.
 
 mod error;
+pub mod exr_parts;
 mod open_exr;
 mod pixel_formats;
 mod read;
@@ -11,7 +12,7 @@ mod sniff;
 mod write;
 
 pub use error::{ReadImageError, WriteImageError};
-pub use read::{MAX_FILE_BYTES, MAX_SIDE, decode_bytes, read};
+pub use read::{MAX_FILE_BYTES, MAX_SIDE, decode_bytes, read, read_bytes};
 pub use write::{png_rgb8, write_bytes_atomically, write_png_rgb8, write_png_rgb16, write_png_rgba8};
 
 /// The samples of an image, row by row from the top, the channels of a texel side by side.

@@ -23,7 +23,7 @@ pub(super) const FORMAT: &str = "OpenEXR";
 const COLOR_SETS: [&[&str]; 5] = [&["R", "G", "B"], &["X", "Y", "Z"], &["R", "G"], &["X", "Y"], &["Y"]];
 
 /// Refuses no file for breaking a rule that does not matter for reading it.
-const PEDANTIC: bool = false;
+pub(super) const PEDANTIC: bool = false;
 
 /// What is read from a file: a layer, and the indices of its channels in the order they are stored in.
 struct Selection {
@@ -62,7 +62,7 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<RasterImage, ReadImageE
     })
 }
 
-fn checked_size(name: &str, header: &Header) -> Result<(usize, usize), ReadImageError> {
+pub(super) fn checked_size(name: &str, header: &Header) -> Result<(usize, usize), ReadImageError> {
     let size = header.layer_size;
     check_size(name, FORMAT, size.width() as u64, size.height() as u64)
 }
@@ -164,12 +164,12 @@ fn depth_of(header: &Header, selection: &Selection) -> SampleDepth {
     if selection.channels.iter().all(half) { SampleDepth::Half } else { SampleDepth::Float }
 }
 
-fn unsupported(name: &str, feature: &'static str) -> ReadImageError {
+pub(super) fn unsupported(name: &str, feature: &'static str) -> ReadImageError {
     ReadImageError::UnsupportedKind { name: name.to_owned(), format: FORMAT, feature }
 }
 
 /// Puts the decoder's failure into plain words; its own text goes to the log.
-fn plain_error(name: &str, error: &Error) -> ReadImageError {
+pub(super) fn plain_error(name: &str, error: &Error) -> ReadImageError {
     log::debug!("{name}: {error}");
     let format = FORMAT;
     match error {

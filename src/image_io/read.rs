@@ -20,10 +20,18 @@ pub const MAX_FILE_BYTES: u64 = 2 << 30;
 /// # Errors
 /// One sentence that names the file and the cause; see [`ReadImageError`].
 pub fn read(path: &Path) -> Result<RasterImage, ReadImageError> {
+    decode_bytes(&source_name(path), &read_bytes(path)?)
+}
+
+/// Reads the bytes of an image file; the path `-` stands for standard input.
+///
+/// # Errors
+/// One sentence that names the file and the cause; see [`ReadImageError`].
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadImageError> {
+    let name = source_name(path);
     if path == Path::new("-") {
-        return decode_bytes("standard input", &read_all("standard input", std::io::stdin().lock())?);
+        return read_all(&name, std::io::stdin().lock());
     }
-    let name = path.display().to_string();
     let refused = |error: std::io::Error| ReadImageError::from_io(&name, error.kind());
     let metadata = std::fs::metadata(path).map_err(refused)?;
     if metadata.is_dir() {
@@ -33,7 +41,12 @@ pub fn read(path: &Path) -> Result<RasterImage, ReadImageError> {
         return Err(ReadImageError::NotRegular { name });
     }
     let file = File::open(path).map_err(refused)?;
-    decode_bytes(&name, &read_all(&name, file)?)
+    read_all(&name, file)
+}
+
+/// What messages call a file.
+fn source_name(path: &Path) -> String {
+    if path == Path::new("-") { "standard input".to_owned() } else { path.display().to_string() }
 }
 
 /// Decodes an image held in memory. `name` stands in the messages, and its extension tells TGA apart.

@@ -1,7 +1,7 @@
 //! Writing files so that a target is either the whole new file or the old one, untouched.
 
-use std::fs::{Metadata, OpenOptions};
-use std::io::{ErrorKind, Write};
+use std::fs::OpenOptions;
+use std::io::{BufWriter, Cursor, ErrorKind, Seek, Write};
 use std::path::Path;
 
 use atomic_write_file::AtomicWriteFile;
@@ -77,41 +77,73 @@ fn encode(
 /// # Errors
 /// One sentence that names the target and the cause; see [`WriteImageError`].
 pub fn write_bytes_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteImageError> {
-    let name = target_name(path);
-    let refused = |error: std::io::Error| WriteImageError::from_io(&name, error.kind());
-    if path == Path::new("-") {
-        return write_and_flush(std::io::stdout().lock(), bytes).map_err(refused);
+    let write = || match Target::open(path)? {
+        Target::File(mut file) => {
+            file.write_all(bytes)?;
+            file.commit()
+        }
+        Target::Stream(mut stream) => {
+            stream.write_all(bytes)?;
+            stream.flush()
+        }
+    };
+    write().map_err(|error| WriteImageError::from_io(&target_name(path), error.kind()))
+}
+
+/// A file that can be written to at any place.
+pub(super) trait WriteAnywhere: Write + Seek {}
+
+impl<T: Write + Seek> WriteAnywhere for T {}
+
+/// As [`write_bytes_atomically`], for contents that `write` makes little by little and goes back in.
+///
+/// # Errors
+/// One sentence that names the target and the cause; see [`WriteImageError`].
+pub(super) fn write_atomically(
+    path: &Path,
+    write: impl FnOnce(&mut dyn WriteAnywhere) -> std::io::Result<()>,
+) -> Result<(), WriteImageError> {
+    let write = || match Target::open(path)? {
+        Target::File(file) => {
+            let mut buffered = BufWriter::new(file);
+            write(&mut buffered)?;
+            buffered.into_inner()?.commit()
+        }
+        Target::Stream(mut stream) => {
+            let mut bytes = Cursor::new(Vec::new());
+            write(&mut bytes)?;
+            stream.write_all(bytes.get_ref())?;
+            stream.flush()
+        }
+    };
+    write().map_err(|error| WriteImageError::from_io(&target_name(path), error.kind()))
+}
+
+/// Where bytes go.
+enum Target {
+    /// A new file that takes the name once it is whole.
+    File(AtomicWriteFile),
+    /// Standard output, a device or a pipe.
+    Stream(Box<dyn Write>),
+}
+
+impl Target {
+    fn open(path: &Path) -> std::io::Result<Self> {
+        if path == Path::new("-") {
+            return Ok(Self::Stream(Box::new(std::io::stdout().lock())));
+        }
+        match std::fs::metadata(path) {
+            Ok(metadata) if metadata.is_dir() => Err(ErrorKind::IsADirectory.into()),
+            Ok(metadata) if !metadata.is_file() => {
+                Ok(Self::Stream(Box::new(OpenOptions::new().write(true).open(path)?)))
+            }
+            // A file marked read-only is kept: its folder alone would let the new file take its name.
+            Ok(metadata) if metadata.permissions().readonly() => Err(ErrorKind::PermissionDenied.into()),
+            Ok(_) => Ok(Self::File(AtomicWriteFile::open(path.canonicalize()?)?)),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(Self::File(AtomicWriteFile::open(path)?)),
+            Err(error) => Err(error),
+        }
     }
-    match std::fs::metadata(path) {
-        Ok(metadata) if metadata.is_dir() => Err(WriteImageError::Folder { name }),
-        Ok(metadata) if !metadata.is_file() => write_in_place(path, bytes).map_err(refused),
-        Ok(metadata) => replace(path, &metadata, bytes).map_err(refused),
-        Err(error) if error.kind() == ErrorKind::NotFound => write_new(path, bytes).map_err(refused),
-        Err(error) => Err(refused(error)),
-    }
-}
-
-/// Replaces a file, unless it is marked read-only: its folder alone would let the new file take its name.
-fn replace(path: &Path, metadata: &Metadata, bytes: &[u8]) -> std::io::Result<()> {
-    if metadata.permissions().readonly() {
-        return Err(ErrorKind::PermissionDenied.into());
-    }
-    write_new(&path.canonicalize()?, bytes)
-}
-
-fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut file = AtomicWriteFile::open(path)?;
-    file.write_all(bytes)?;
-    file.commit()
-}
-
-fn write_in_place(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    write_and_flush(OpenOptions::new().write(true).open(path)?, bytes)
-}
-
-fn write_and_flush(mut target: impl Write, bytes: &[u8]) -> std::io::Result<()> {
-    target.write_all(bytes)?;
-    target.flush()
 }
 
 fn target_name(path: &Path) -> String {

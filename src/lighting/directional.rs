@@ -18,11 +18,14 @@ pub struct DirectionalLight {
 
 impl Default for DirectionalLight {
     fn default() -> Self {
-        Self { elevation_deg: 48.0, azimuth_deg: 155.0, color: Vec3::ONE, intensity: 1.5 }
+        Self::DEFAULT
     }
 }
 
 impl DirectionalLight {
+    /// What a new session starts with.
+    pub const DEFAULT: Self = Self { elevation_deg: 48.0, azimuth_deg: 155.0, color: Vec3::ONE, intensity: 1.5 };
+
     /// Unit vector towards the light in world space.
     pub fn direction_in_world(&self) -> Vec3 {
         let (sin_e, cos_e) = self.elevation_deg.to_radians().sin_cos();

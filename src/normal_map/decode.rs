@@ -13,7 +13,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::diagnose::{Tally, Warning, alpha_varies};
+use super::diagnose::{Tally, Warning, alpha_varies, green_channel};
 use super::height::HeightMap;
 use super::{GreenChannel, MapOptions, MapSource, NormalMap};
 use crate::image_io::{self, RasterImage, ReadImageError};
@@ -104,6 +104,18 @@ impl NormalMap {
             stored: Arc::new(image),
             warnings: Vec::new(),
             decoder: None,
+            albedo: None,
+        }
+    }
+
+    /// Takes the green convention under which the slopes come closer to those of a surface; the map was read as +Y up.
+    fn settle_green(&mut self) {
+        self.options.green = green_channel(self);
+        if self.options.green == GreenChannel::Down {
+            self.y.iter_mut().for_each(|y| *y = -*y);
+            if let Some(decoder) = &mut self.decoder {
+                decoder.y_sign = -1.0;
+            }
         }
     }
 
@@ -166,6 +178,9 @@ pub(super) fn from_known_normals(image: RasterImage, source: MapSource, options:
     let stored = Arc::clone(&map.stored);
     map.fill(|texel| decoder.decode(&stored, texel));
     map.decoder = Some(decoder);
+    if options.green == GreenChannel::Auto {
+        map.settle_green();
+    }
     map
 }
 

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::*;
 use crate::image_io::{SampleDepth, Samples};
+use crate::normal_map::procedural;
 
 fn image(width: usize, channels: usize, samples: Samples) -> RasterImage {
     let height = samples.len() / channels / width;
@@ -136,4 +137,23 @@ fn alpha_that_varies_is_noted_and_constant_alpha_is_not() {
     let with = |alpha| plain(image(2, 4, Samples::U8(vec![128, 128, 255, 255, 128, 128, 255, alpha]))).warnings;
     assert_eq!(with(7), [Warning::AlphaVaries]);
     assert!(with(255).is_empty());
+}
+
+#[test]
+fn the_green_convention_is_found_by_the_curl_of_the_slopes() {
+    for sample in
+        procedural::SAMPLES.iter().filter(|sample| ["bricks", "waves", "scales", "plate"].contains(&sample.name))
+    {
+        let map = sample.make(64);
+        let options = MapOptions { green: GreenChannel::Auto, ..MapOptions::default() };
+        let read = |image: RasterImage| NormalMap::from_image(image, MapSource::Bundled("test"), &options);
+        let up = read(map.stored.as_ref().clone()).expect("a normal map");
+        assert_eq!((up.options.green, &up.y), (GreenChannel::Up, &map.y), "{}", sample.name);
+        let mut flipped = map.stored.as_ref().clone();
+        if let Samples::U8(bytes) = &mut flipped.samples {
+            bytes.iter_mut().skip(1).step_by(3).for_each(|green| *green = 255 - *green);
+        }
+        let down = read(flipped).expect("a normal map");
+        assert_eq!((down.options.green, &down.y), (GreenChannel::Down, &map.y), "{}", sample.name);
+    }
 }

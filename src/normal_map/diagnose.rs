@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+use rayon::prelude::*;
+
+use super::{GreenChannel, NormalMap};
 use crate::image_io::RasterImage;
 
 /// A decoded length further than this from 1 counts as off. Rounding to 8 bits moves a length by at most 0.007.
@@ -40,6 +43,20 @@ pub enum Warning {
     AlphaVaries,
     /// A colour image was read as heights, by the mean of its colour channels.
     HeightsFromColor,
+    /// Options were given for a file that holds a fit of a map that was read with others.
+    FitKeepsItsOptions,
+    /// The colour image is of another size than the map.
+    ColorResampled {
+        /// Its texels across and down.
+        from: (usize, usize),
+        /// The map's.
+        to: (usize, usize),
+    },
+    /// Texels whose colour is not finite.
+    ColorNotFinite {
+        /// How many.
+        count: usize,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -73,6 +90,19 @@ impl fmt::Display for Warning {
             Self::HeightsFromColor => {
                 formatter.write_str("the image is in colour; the mean of its channels was read as height")
             }
+            Self::ColorResampled { from, to } => write!(
+                formatter,
+                "the colour image is {} x {} texels; it was resampled by area to the map's {} x {}",
+                from.0, from.1, to.0, to.1
+            ),
+            Self::ColorNotFinite { count: 1 } => {
+                formatter.write_str("the colour of 1 texel is not finite; it was taken as black")
+            }
+            Self::ColorNotFinite { count } => {
+                write!(formatter, "the colours of {count} texels are not finite; they were taken as black")
+            }
+            Self::FitKeepsItsOptions => formatter
+                .write_str("the file holds a fit; it was opened as it was fitted, whatever the map options say"),
         }
     }
 }
@@ -135,6 +165,34 @@ pub(super) fn alpha_varies(image: &RasterImage) -> bool {
     let last = image.channels - 1;
     let alpha = |texel: usize| image.samples.get(texel * image.channels + last);
     image.has_alpha && (1..image.texels()).any(|texel| alpha(texel) != alpha(0))
+}
+
+/// The convention of the green channel, from integrability: the slopes `p = -x/z` and `q = -y/z` of a surface have no
+/// curl, `dp/dt = dq/ds`; under the wrong sign of y they do. The map was read as +Y up; a tie keeps that.
+pub(super) fn green_channel(map: &NormalMap) -> GreenChannel {
+    let slope = |x: usize, y: usize| {
+        let normal = map.normal((y % map.height) * map.width + x % map.width)?;
+        (normal.z > 0.1).then(|| normal.truncate() / -normal.z)
+    };
+    let curls = |y: usize| {
+        let mut sums = [0.0_f64; 2];
+        for x in 0..map.width {
+            let around = (slope(x, y), slope(x + 1, y), slope(x, y + 1));
+            let (Some(here), Some(right), Some(below)) = around else { continue };
+            // Rows run down and t runs up.
+            let (dp_dt, dq_ds) = (here.x - below.x, right.y - here.y);
+            sums[0] += f64::from(dp_dt - dq_ds).powi(2);
+            sums[1] += f64::from(dp_dt + dq_ds).powi(2);
+        }
+        sums
+    };
+    let [up, down] = (0..map.height)
+        .into_par_iter()
+        .map(curls)
+        .collect::<Vec<_>>()
+        .into_iter()
+        .fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    if down < up { GreenChannel::Down } else { GreenChannel::Up }
 }
 
 #[cfg(test)]

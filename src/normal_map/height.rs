@@ -69,7 +69,7 @@ mod tests {
 
     fn ramp_up_the_image() -> HeightMap {
         // Row 0 is the top and the highest.
-        let values = (0..16).map(|texel| (3 - texel / 4) as f64).collect();
+        let values = (0..16).map(|texel| f64::from(3 - texel / 4)).collect();
         HeightMap { width: 4, height: 4, values }
     }
 

@@ -3,6 +3,7 @@
 //! Coordinates: `x` runs right and `y` runs down from the top-left texel, as in the image file. A normal is in
 //! tangent space: `+x` right, `+y` up the image, `+z` out of it, whatever the file's own green convention was.
 
+pub mod albedo;
 pub mod decode;
 pub mod diagnose;
 pub mod height;
@@ -14,7 +15,8 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use crate::image_io::RasterImage;
+use crate::image_io::{RasterImage, ReadImageError, SampleDepth, Samples};
+use albedo::Albedo;
 pub use decode::{DecodeError, OpenError};
 pub use diagnose::Warning;
 
@@ -27,6 +29,8 @@ pub enum GreenChannel {
     Up,
     /// Green above one half faces the bottom of the image (DirectX); negated on reading.
     Down,
+    /// Whichever makes the slopes a surface; an open map says which it was.
+    Auto,
 }
 
 /// What lies beyond an edge of the map.
@@ -52,6 +56,8 @@ pub struct MapOptions {
     pub two_channel: bool,
     /// Reads the image as heights, scaled by this factor (in texel widths per full range), instead of as normals.
     pub height_scale: Option<f32>,
+    /// An image of the surface's colour, fitted along.
+    pub color: Option<PathBuf>,
 }
 
 /// Where a map came from.
@@ -87,8 +93,10 @@ pub struct NormalMap {
     pub stored: Arc<RasterImage>,
     /// What was odd about the file.
     pub warnings: Vec<Warning>,
-    /// How a stored texel is decoded again in f64; `None` where the normals come from heights.
+    /// How a stored texel is decoded again in f64; `None` where the normals come from heights or from a fit.
     pub decoder: Option<decode::Decoder>,
+    /// The surface's colour, where one was given.
+    pub albedo: Option<Arc<Albedo>>,
 }
 
 impl std::fmt::Display for MapSource {
@@ -101,6 +109,62 @@ impl std::fmt::Display for MapSource {
 }
 
 impl NormalMap {
+    /// A map of normals that are known already: `[x, y, z]` row by row, unit vectors, zero where there is none.
+    pub fn from_unit_normals(
+        (width, height): (usize, usize),
+        [x, y, z]: [Vec<f32>; 3],
+        source: MapSource,
+        options: MapOptions,
+    ) -> Self {
+        let samples = x.iter().zip(&y).zip(&z).flat_map(|((&x, &y), &z)| [x, y, z]).collect();
+        let stored = RasterImage {
+            width,
+            height,
+            channels: 3,
+            has_alpha: false,
+            samples: Samples::F32(samples),
+            depth: SampleDepth::Float,
+            format: "OpenEXR",
+        };
+        let mut map = Self {
+            width,
+            height,
+            x,
+            y,
+            z,
+            invalid: 0,
+            options,
+            source,
+            stored: Arc::new(stored),
+            warnings: Vec::new(),
+            decoder: None,
+            albedo: None,
+        };
+        map.invalid = (0..map.len()).filter(|&index| map.normal(index).is_none()).count();
+        if map.invalid > 0 {
+            map.warnings.push(Warning::InvalidTexels { count: map.invalid, total: map.len() });
+        }
+        map
+    }
+
+    /// Reads the colour that the options name, if any.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn read_color(&mut self, options: &MapOptions) -> Result<(), ReadImageError> {
+        let Some(path) = &options.color else { return Ok(()) };
+        let (albedo, warnings) = Albedo::read(path, (self.width, self.height))?;
+        self.albedo = Some(Arc::new(albedo));
+        self.options.color = Some(path.clone());
+        self.warnings.extend(warnings);
+        Ok(())
+    }
+
+    /// Linear RGB of a base texel; white where no colour was given.
+    pub fn color(&self, index: usize) -> Vec3 {
+        self.albedo.as_ref().map_or(Vec3::ONE, |albedo| albedo.rgb[index].into())
+    }
+
     /// Texels in the base level.
     pub fn len(&self) -> usize {
         self.x.len()
@@ -121,7 +185,7 @@ impl NormalMap {
     pub fn precise_normal(&self, index: usize) -> Option<DVec3> {
         match &self.decoder {
             Some(decoder) => decoder.normal(&self.stored, index),
-            None => self.normal(index).map(|normal| normal.as_dvec3()),
+            None => self.normal(index).map(Vec3::as_dvec3),
         }
     }
 

@@ -202,8 +202,10 @@ fn splat_point(density: &mut [f32], centres: &CellCentres, reach: i64, kappa: f3
     };
     let point = point.as_vec3();
     for row in rows {
-        for index in (row * size + columns.start) as usize..(row * size + columns.end) as usize {
-            density[index] += weight * kernel(kappa, centres.squared_chord(index, point));
+        let first = (row * size + columns.start) as usize;
+        let cells = &mut density[first..(row * size + columns.end) as usize];
+        for (offset, cell) in cells.iter_mut().enumerate() {
+            *cell += weight * kernel(kappa, centres.squared_chord(first + offset, point));
         }
     }
 }

@@ -68,7 +68,7 @@ pub enum SessionFileError {
 }
 
 impl SessionFile {
-    /// Reads a session file and makes the map's path absolute.
+    /// Reads a session file and makes the paths of the map and of its colour absolute.
     ///
     /// # Errors
     /// A sentence that names the file and the cause.
@@ -79,6 +79,9 @@ impl SessionFile {
             serde_json::from_slice(&bytes).map_err(|cause| SessionFileError::Parse { path: name(), cause })?;
         if let (Some(MapReference::Path(map)), Some(folder)) = (&mut file.map, path.parent()) {
             *map = folder.join(&*map);
+        }
+        if let (Some(color), Some(folder)) = (&mut file.map_options.color, path.parent()) {
+            *color = folder.join(&*color);
         }
         Ok(file)
     }
@@ -119,7 +122,9 @@ impl Session {
         if let Some(texel) = file.selected {
             self.select(texel);
         }
-        self.fitting.restart(file.fit);
+        if file.fit != *self.fit_settings() {
+            self.fitting.restart(file.fit);
+        }
     }
 }
 

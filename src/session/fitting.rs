@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use rayon::ThreadPool;
 
+use crate::export::lobes_exr::FittedLobes;
 use crate::filter::vmf::fit::{self, FitEvent, FitSettings, LevelStats};
 use crate::filter::vmf::{Cancelled, Fold, LobePyramid, Monitor, coherence, fold};
 use crate::jobs::{self, Ended, Job, JobEvent, Wake};
@@ -66,6 +67,7 @@ pub struct Fitting {
     threads: Option<usize>,
     pool: Option<Arc<ThreadPool>>,
     running: Option<Running>,
+    previews: bool,
 }
 
 impl Fitting {
@@ -83,6 +85,7 @@ impl Fitting {
             threads: None,
             pool: None,
             running: None,
+            previews: true,
         }
     }
 
@@ -133,6 +136,11 @@ impl Fitting {
         (self.threads, self.pool) = (threads, None);
     }
 
+    /// Keeps no level from now on before it is finished.
+    pub fn skip_previews(&mut self) {
+        self.previews = false;
+    }
+
     /// Threads that fits run on.
     pub fn threads(&self) -> usize {
         self.pool.as_ref().map_or(0, |pool| pool.current_num_threads())
@@ -154,7 +162,22 @@ impl Fitting {
     /// Forgets the lobes and takes another map.
     pub fn adopt(&mut self, map: Arc<NormalMap>) {
         let (revision, threads, pool) = (self.revision + 1, self.threads, self.pool.take());
-        *self = Self { revision, threads, pool, ..Self::new(map, self.settings) };
+        *self = Self { revision, threads, pool, previews: self.previews, ..Self::new(map, self.settings) };
+    }
+
+    /// Forgets the lobes and takes a fit that is finished.
+    pub fn adopt_fit(&mut self, fit: FittedLobes) {
+        self.adopt(Arc::clone(&fit.lobes.map));
+        let level = |index| LevelFit { state: LevelState::Done, stats: fit.stats.get(index).copied().flatten() };
+        self.levels = (0..fit.lobes.levels()).map(level).collect();
+        (self.lobes, self.settings) = (fit.lobes, fit.settings);
+    }
+
+    /// The fit, once it is finished.
+    pub fn finished(&self) -> Option<FittedLobes> {
+        let stats = self.levels.iter().map(|level| level.stats).collect();
+        let fit = || FittedLobes { lobes: Arc::clone(&self.lobes), settings: self.settings, stats };
+        self.is_complete().then(fit)
     }
 
     /// Starts the job. `Err` is a sentence for the user.
@@ -227,12 +250,14 @@ impl Fitting {
             FitEvent::Level { level, mixtures, stats, last } => {
                 // Finished lobes, even of earlier settings, look better than unaligned ones.
                 let shown = &mut self.levels[level];
-                if last || shown.state != LevelState::Earlier {
+                if last || self.previews && shown.state != LevelState::Earlier {
                     lobes.coarse[level - 1] = Some(mixtures);
+                    lobes.colors[level - 1] = None;
                     let state = if last { LevelState::Done } else { LevelState::Unaligned };
                     *shown = LevelFit { state, stats: Some(stats) };
                 }
             }
+            FitEvent::Color { level, colors } => lobes.colors[level - 1] = Some(colors),
             FitEvent::Base(base) => {
                 lobes.base = Some(base);
                 self.levels[0].state = LevelState::Done;

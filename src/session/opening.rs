@@ -1,11 +1,15 @@
 //! Maps read in the background, and the system's file dialog off the window's thread.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::{Message, Offer};
+use crate::export::lobes_exr::{self, FittedLobes};
 use crate::filter::PlainMip;
+use crate::filter::vmf::{Monitor, color};
+use crate::image_io;
 use crate::jobs::{Job, JobEvent, Outbox, Wake};
-use crate::normal_map::{MapOptions, NormalMap, procedural};
+use crate::normal_map::{DecodeError, MapOptions, MapSource, NormalMap, OpenError, procedural};
 
 /// A map to open.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,12 +39,33 @@ pub enum MapRequest {
     },
 }
 
+/// A map that was read, and its lobes where the file holds a fit.
+#[derive(Clone, Debug)]
+pub struct OpenedMap {
+    /// The map.
+    pub map: Arc<NormalMap>,
+    /// The fit of it that came along.
+    pub fit: Option<FittedLobes>,
+}
+
+impl From<NormalMap> for OpenedMap {
+    fn from(map: NormalMap) -> Self {
+        Self { map: Arc::new(map), fit: None }
+    }
+}
+
+impl From<FittedLobes> for OpenedMap {
+    fn from(fit: FittedLobes) -> Self {
+        Self { map: Arc::clone(&fit.lobes.map), fit: Some(fit) }
+    }
+}
+
 /// A map and its mean normals.
-pub type OpenedMap = (Arc<NormalMap>, Arc<PlainMip>);
+pub type OpenedWithMip = (OpenedMap, Arc<PlainMip>);
 
 enum News {
-    Opened(OpenedMap),
-    Failed(String),
+    Opened(OpenedWithMip),
+    Failed(Message),
     Dismissed,
 }
 
@@ -84,19 +109,15 @@ impl Opening {
         Ok(())
     }
 
-    /// Takes a map that was read, and the sentences for the user.
-    pub fn poll(&mut self) -> (Option<OpenedMap>, Vec<String>) {
-        match self.job.as_ref().and_then(Job::next) {
-            None => (None, Vec::new()),
-            Some(event) => {
-                self.job = None;
-                match event {
-                    JobEvent::News(News::Opened(map)) => (Some(map), Vec::new()),
-                    JobEvent::News(News::Failed(sentence)) => (None, vec![sentence]),
-                    JobEvent::News(News::Dismissed) => (None, Vec::new()),
-                    JobEvent::Panicked(text) => (None, vec![format!("The map could not be opened: {text}.")]),
-                }
-            }
+    /// Takes a map that was read, or what the user should know.
+    pub fn poll(&mut self) -> (Option<OpenedWithMip>, Option<Message>) {
+        let Some(event) = self.job.as_ref().and_then(Job::next) else { return (None, None) };
+        self.job = None;
+        match event {
+            JobEvent::News(News::Opened(map)) => (Some(map), None),
+            JobEvent::News(News::Failed(message)) => (None, Some(message)),
+            JobEvent::News(News::Dismissed) => (None, None),
+            JobEvent::Panicked(text) => (None, Some(Message::error(format!("The map could not be opened: {text}.")))),
         }
     }
 }
@@ -106,28 +127,102 @@ const EXTENSIONS: [&str; 12] = ["png", "tga", "bmp", "tif", "tiff", "jpg", "jpeg
 
 fn read_news(request: MapRequest) -> News {
     match read(&request) {
-        Ok(map) => {
-            let map = Arc::new(map);
-            let mip = Arc::new(PlainMip::new(Arc::clone(&map)));
-            News::Opened((map, mip))
+        Ok(opened) => {
+            let mip = Arc::new(PlainMip::new(Arc::clone(&opened.map)));
+            News::Opened((opened, mip))
         }
-        Err(sentence) => News::Failed(sentence),
+        Err(failure) => News::Failed(failure),
     }
 }
 
-/// Reads a map now. `Err` is a sentence that names the file and the cause.
-pub fn read(request: &MapRequest) -> Result<NormalMap, String> {
-    match request {
-        MapRequest::File { path, options } => NormalMap::read(path, options).map_err(|error| error.to_string()),
-        MapRequest::Bytes { name, bytes, options } => {
-            NormalMap::read_bytes(name, bytes, options).map_err(|error| error.to_string())
+/// The height of the full range of a height map, in texel widths, unless told.
+pub const DEFAULT_HEIGHT_SCALE: f32 = 4.0;
+
+/// Why a map was not opened.
+struct Refused {
+    sentence: String,
+    is_greyscale: bool,
+}
+
+impl From<OpenError> for Refused {
+    fn from(error: OpenError) -> Self {
+        let is_greyscale = matches!(error, OpenError::Decode(DecodeError::Greyscale { .. }));
+        Self { sentence: error.to_string(), is_greyscale }
+    }
+}
+
+impl From<String> for Refused {
+    fn from(sentence: String) -> Self {
+        Self { sentence, is_greyscale: false }
+    }
+}
+
+/// Reads a map now, and its colour.
+///
+/// # Errors
+/// A sentence that names the file and the cause; a greyscale image comes with the offer to read it as heights.
+pub fn read(request: &MapRequest) -> Result<OpenedMap, Message> {
+    read_or_refuse(request).map_err(|refused| {
+        let offer = || Offer { label: "Open as heights", request: request.as_heights() };
+        Message { offer: refused.is_greyscale.then(offer), ..Message::error(refused.sentence) }
+    })
+}
+
+fn read_or_refuse(request: &MapRequest) -> Result<OpenedMap, Refused> {
+    let (opened, options) = match request {
+        MapRequest::File { path, options } if path.as_os_str() == "-" => {
+            let bytes = image_io::read_bytes(path).map_err(|error| error.to_string())?;
+            (read_bytes("standard input", &bytes, options)?, options)
         }
+        MapRequest::File { path, options } => (read_file(path, options)?, options),
+        MapRequest::Bytes { name, bytes, options } => (read_bytes(name, bytes, options)?, options),
         MapRequest::Bundled { name, options } => {
             let sample = procedural::find(name)
                 .ok_or_else(|| format!("There is no bundled map named '{name}'; `sample --list` names them."))?;
             let mut map = sample.make(procedural::DEFAULT_SIZE);
             map.options.addressing = options.addressing;
-            Ok(map)
+            (map.into(), options)
         }
+    };
+    if options.color.is_some() { Ok(with_color(opened, options)?) } else { Ok(opened) }
+}
+
+impl MapRequest {
+    /// The same, read as heights.
+    fn as_heights(&self) -> Self {
+        let mut request = self.clone();
+        let (Self::File { options, .. } | Self::Bytes { options, .. } | Self::Bundled { options, .. }) = &mut request;
+        options.height_scale = Some(DEFAULT_HEIGHT_SCALE);
+        request
+    }
+}
+
+/// Reads the colour that the options name; the lobes of a fit take it too.
+fn with_color(opened: OpenedMap, options: &MapOptions) -> Result<OpenedMap, String> {
+    let OpenedMap { map, mut fit } = opened;
+    let mut map = Arc::unwrap_or_clone(map);
+    map.read_color(options).map_err(|error| error.to_string())?;
+    let map = Arc::new(map);
+    if let Some(fit) = &mut fit {
+        let lobes = Arc::make_mut(&mut fit.lobes);
+        lobes.map = Arc::clone(&map);
+        let monitor = Monitor::new(vec![0; lobes.levels()]);
+        color::fit_levels(lobes, fit.settings.kappa, &monitor, &mut |_, _| {}).map_err(|error| error.to_string())?;
+    }
+    Ok(OpenedMap { map, fit })
+}
+
+fn read_file(path: &Path, options: &MapOptions) -> Result<OpenedMap, Refused> {
+    match lobes_exr::read(path, options).map_err(|error| error.to_string())? {
+        Some(fit) => Ok(fit.into()),
+        None => Ok(NormalMap::read(path, options)?.into()),
+    }
+}
+
+fn read_bytes(name: &str, bytes: &[u8], options: &MapOptions) -> Result<OpenedMap, Refused> {
+    let source = MapSource::File(name.into());
+    match lobes_exr::read_bytes(bytes, source, options).map_err(|error| error.to_string())? {
+        Some(fit) => Ok(fit.into()),
+        None => Ok(NormalMap::read_bytes(name, bytes, options)?.into()),
     }
 }

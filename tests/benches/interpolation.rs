@@ -38,7 +38,9 @@ fn main() {
 fn print_table(maps: &[(String, Arc<NormalMap>)], forms: &[Alignment], between: Between) {
     println!("\n{between:?}: error of unaligned shading, then each form's error and its multiple of that");
     print!("{:<12} {:>9}", "map", "unaligned");
-    forms.iter().for_each(|form| print!(" {:>16}", form.to_string()));
+    for form in forms {
+        print!(" {:>16}", form.to_string());
+    }
     println!();
     let mut sums = vec![0.0; forms.len() + 1];
     for (name, map) in maps {
@@ -58,7 +60,9 @@ fn print_table(maps: &[(String, Arc<NormalMap>)], forms: &[Alignment], between: 
     }
     let count = maps.len() as f64;
     print!("{:<12} {:>9.4}", "mean", sums[0] / count);
-    sums[1..].iter().for_each(|sum| print!(" {:>8.4} {:>6.2}x", sum / count, sum / sums[0]));
+    for sum in &sums[1..] {
+        print!(" {:>8.4} {:>6.2}x", sum / count, sum / sums[0]);
+    }
     println!();
 }
 
@@ -74,7 +78,7 @@ fn bundled(name: &str) -> Arc<NormalMap> {
 
 fn read(path: &str) -> Arc<NormalMap> {
     let request = MapRequest::File { path: path.into(), options: MapOptions::default() };
-    Arc::new(opening::read(&request).expect("readable"))
+    opening::read(&request).expect("readable").map
 }
 
 fn short(path: &str) -> String {

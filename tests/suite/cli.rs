@@ -66,7 +66,7 @@ fn fit_prints_the_agreed_json() {
 fn probe_of_vmf_is_the_formula_on_the_lobes_that_fit_prints() {
     let folder = folder();
     sample(&folder, "scales");
-    let fit = json(&run(&folder, &["fit", "scales.png", "-J", "4", "--texel", "5,3,2", "--json", "-"]));
+    let fit = json(&run(&folder, &["fit", "scales.png", "-J", "4", "--texel", "3,3,2", "--json", "-"]));
     let probe = json(&run(
         &folder,
         &[
@@ -77,7 +77,7 @@ fn probe_of_vmf_is_the_formula_on_the_lobes_that_fit_prints() {
             "--brdf",
             "blinn-phong:40",
             "--texel",
-            "5,3,2",
+            "3,3,2",
             "--omega",
             "0.2,-0.1,1",
             "--json",
@@ -251,4 +251,39 @@ fn a_session_file_is_obeyed_and_flags_go_over_it() {
     };
     assert_eq!(render("a.png", &[]), render("b.png", &["--shape", "torus"]));
     assert_ne!(render("a.png", &[]), render("c.png", &["--shape", "sphere"]));
+}
+
+#[test]
+fn a_file_of_lobes_stands_for_the_map_it_was_fitted_to() {
+    let folder = folder();
+    sample(&folder, "bricks");
+    let fit =
+        ["fit", "bricks.png", "-J", "3", "--align", "paper:0.5", "--exr", "a.exr", "--texel", "4,1,2", "--json", "-"];
+    let fitted = json(&run(&folder, &fit));
+    let again = json(&run(&folder, &["fit", "a.exr", "--texel", "4,1,2", "--json", "-"]));
+    assert_eq!(again["texels"], fitted["texels"]);
+    assert_eq!(again["settings"]["align"], "paper:0.5");
+    let level = |report: &Value| report["levels"][3]["mean_log_likelihood"].clone();
+    assert_eq!(level(&again), level(&fitted));
+    let exported = run(&folder, &["export", "a.exr", "lobes", "-o", "b.exr"]);
+    assert!(exported.status.success(), "{}", String::from_utf8_lossy(&exported.stderr));
+    let probe = |map| {
+        run(&folder, &["probe", map, "--method", "vmf:3", "--texel", "4,1,2", "--omega", "0,0.1,1", "--json", "-"])
+    };
+    assert_eq!(json(&probe("b.exr")), json(&probe("a.exr")));
+    assert_refused(&run(&folder, &["fit", "a.exr", "--exr", "no/such/c.exr"]), "no/such/c.exr");
+    assert_refused(&run(&folder, &["fit", "bricks.png", "--color", "gone.png"]), "gone.png");
+}
+
+#[test]
+fn fit_prints_the_lobes_colours() {
+    let folder = folder();
+    sample(&folder, "scales");
+    let arguments = ["fit", "scales.png", "-J", "2", "--color", "scales.png", "--texel", "3,1,1", "--json", "-"];
+    let report = json(&run(&folder, &arguments));
+    for lobe in report["texels"][0]["lobes"].as_array().expect("lobes") {
+        assert_eq!(lobe["color"].as_array().map(Vec::len), Some(3), "{lobe}");
+    }
+    let plain = json(&run(&folder, &["fit", "scales.png", "-J", "2", "--texel", "3,1,1", "--json", "-"]));
+    assert!(plain["texels"][0]["lobes"][0].get("color").is_none());
 }

@@ -2,8 +2,10 @@
 
 mod alignment;
 mod cli;
+mod color;
 mod fit;
 mod gpu;
 mod house;
+mod lobes_exr;
 mod opening;
 mod window;

@@ -92,10 +92,11 @@ fn in_disc(rect: Rect, position: Pos2) -> DVec2 {
 fn axis_labels(ui: &Ui, orbit: SphereOrbit, rect: Rect) {
     for (axis, name) in [(DVec3::X, "+x"), (DVec3::Y, "+y"), (DVec3::Z, "+z")] {
         let (point, facing) = orbit.place(axis);
-        if facing < -0.2 || point.length() < 0.3 {
+        // Inside the disc a label would lie on the data; far behind it would mislead.
+        if facing < -0.7 || point.length() < 0.6 {
             continue;
         }
-        let point = point * 1.09 / point.length().max(0.92);
+        let point = point.normalize() * 1.1;
         let at = rect.center() + radius(rect) * vec2(point.x as f32, -point.y as f32);
         ui.painter().text(at, Align2::CENTER_CENTER, name, FontId::proportional(11.0), theme::WEAK);
     }

@@ -1,6 +1,6 @@
 //! What lies over the picture of the surface: names of the methods, the selected texel, the wipe, the light.
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
+use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
 
 use super::PanelContext;
 use super::map_panel::badge;
@@ -36,8 +36,7 @@ pub fn badges(painter: &Painter, context: &PanelContext<'_>, picture: Rect) {
         return;
     }
     let hint = "drag: orbit · L + drag: light · wheel: dolly · click: select";
-    let at = picture.left_bottom() + vec2(12.0, -12.0);
-    painter.text(at, Align2::LEFT_BOTTOM, hint, FontId::proportional(11.0), theme::WEAK.gamma_multiply(0.8));
+    badge(painter, picture.left_bottom() + vec2(12.0, -12.0), Align2::LEFT_BOTTOM, hint, theme::WEAK);
 }
 
 fn method_badges(painter: &Painter, context: &PanelContext<'_>, method: Method, at: Pos2, align: Align2) {

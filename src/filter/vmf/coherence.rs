@@ -28,11 +28,14 @@ const DIRECTIONS: usize = 128;
 /// Most points that a level is asked at.
 const POINTS: usize = 64;
 
-/// Most normals that a level's truth reads: larger footprints are read in even strides.
-const NORMALS: usize = 1 << 21;
+/// About the most normals that a level's truth reads: larger footprints are asked at fewer points, then read in strides.
+const NORMALS: usize = 1 << 20;
+
+/// Least points that a level is asked at.
+const LEAST_POINTS: usize = 4;
 
 /// Figures of one level's alignment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Coherence {
     /// Mean angle between lobe j and its neighbours' lobe j, weighted by alpha, degrees.
     pub coherence_deg: f64,
@@ -114,7 +117,10 @@ impl Interpolation {
     /// Chooses the points, always the same, and computes their truth. `level` is not the top with [`Between::Levels`].
     pub fn new(map: &NormalMap, level: usize, between: Between) -> Self {
         let directions: Vec<DVec3> = direction::hemisphere(DIRECTIONS).collect();
-        let points: Vec<_> = corners(map.level_sizes()[level]).map(|uv| taps(map, level, between, uv)).collect();
+        let size = map.level_sizes()[level];
+        let footprint = map.len() / (size.0 * size.1);
+        let count = (NORMALS / (4 * footprint)).clamp(LEAST_POINTS, POINTS);
+        let points: Vec<_> = corners(size, count).map(|uv| taps(map, level, between, uv)).collect();
         let mut texels: Vec<Texel> = points.iter().flatten().map(|tap| tap.0).collect();
         texels.sort_by_key(|texel| (texel.level, texel.y, texel.x));
         texels.dedup();
@@ -150,13 +156,13 @@ impl Interpolation {
     }
 }
 
-/// At most [`POINTS`] of the points where four texels meet, spread by the golden ratio.
-fn corners((width, height): (usize, usize)) -> impl Iterator<Item = Vec2> {
+/// At most `count` of the points where four texels meet, spread by the golden ratio.
+fn corners((width, height): (usize, usize), count: usize) -> impl Iterator<Item = Vec2> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let all = width * height;
-    let index = move |i: usize| if all <= POINTS { i } else { ((i as f64 * GOLDEN).fract() * all as f64) as usize };
+    let index = move |i: usize| if all <= count { i } else { ((i as f64 * GOLDEN).fract() * all as f64) as usize };
     let corner = move |i: usize| Vec2::new((i % width) as f32 / width as f32, (i / width) as f32 / height as f32);
-    (0..all.min(POINTS)).map(move |i| corner(index(i)))
+    (0..all.min(count)).map(move |i| corner(index(i)))
 }
 
 /// The texels around `uv` with their weights, none of them twice.

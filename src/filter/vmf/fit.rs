@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::coherence::Coherence;
+use super::color::{self, ColorLevel};
 use super::em::Stop;
 use super::monitor::{Cancelled, Monitor};
 use super::pull::Pull;
@@ -150,7 +151,8 @@ impl FitSettings {
 }
 
 /// What a fitted level came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct LevelStats {
     /// Mean over the level's texels of the mean log-likelihood of their normals.
     pub mean_log_likelihood: f64,
@@ -178,19 +180,27 @@ pub enum FitEvent {
         /// True when nothing better will follow.
         last: bool,
     },
+    /// The lobes of a level have their colours.
+    Color {
+        /// Which level.
+        level: usize,
+        /// The colours.
+        colors: Arc<ColorLevel>,
+    },
     /// The base level's slots are chosen: the fit is complete.
     Base(Arc<BaseSlots>),
 }
 
 /// The normals that a fit of these settings is expected to visit, per level.
 pub fn expected_visits(map: &NormalMap, settings: &FitSettings) -> Vec<u64> {
-    let per_level = (map.len() * (settings.iterations + 1 + settings.aligned_passes())) as u64;
+    let colored = usize::from(map.albedo.is_some());
+    let per_level = (map.len() * (settings.iterations + 1 + settings.aligned_passes() + colored)) as u64;
     let levels = map.level_sizes().len();
     (0..levels).map(|level| if level == 0 { map.len() as u64 } else { per_level }).collect()
 }
 
 /// Fits every level of `map` on the current thread pool, reporting each as it is done: the unaligned fit from the
-/// finest level up, then the aligned one from the coarsest down, then the base level's slots. Deterministic: the
+/// finest level up, then the aligned one from the coarsest down, then colours and the base level's slots. Deterministic: the
 /// number of threads never changes a bit.
 pub fn fit(
     map: &Arc<NormalMap>,
@@ -213,6 +223,8 @@ pub fn fit(
         // The top is shared by both fits; alignment starts below it.
         for level in (1..lobes.levels() - 1).rev() {
             let timed = std::time::Instant::now();
+            // The aligned fit starts from the coarser level; this one's own lobes only take room.
+            lobes.coarse[level - 1] = None;
             let (mixtures, mut stats) = match (settings.align, settings.align.pull()) {
                 (_, Some(pull)) => scanline::fit_level(&lobes, level, pull, settings, monitor)?,
                 (Alignment::Smooth { blend }, _) => smooth::fit_level(&lobes, level, blend, settings, monitor)?,
@@ -223,6 +235,9 @@ pub fn fit(
             keep(&mut lobes, level, mixtures, stats, true, report);
         }
     }
+    color::fit_levels(&mut lobes, settings.kappa, monitor, &mut |level, colors| {
+        report(FitEvent::Color { level, colors: Arc::clone(colors) });
+    })?;
     let base = if aligns { base_slots::choose(&lobes, monitor)? } else { base_slots::first(map.len()) };
     let base = Arc::new(base);
     lobes.base = Some(Arc::clone(&base));

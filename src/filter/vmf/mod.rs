@@ -2,6 +2,7 @@
 
 pub mod base_slots;
 pub mod coherence;
+pub mod color;
 pub mod em;
 pub mod fit;
 pub mod fold;
@@ -29,6 +30,7 @@ use crate::sphere::vmf;
 use crate::sphere::{Lobe, Mixture};
 
 pub use coherence::Coherence;
+pub use color::ColorLevel;
 pub use fit::{Alignment, FitEvent, FitSettings, LevelStats};
 pub use monitor::{Cancelled, Monitor};
 pub use pyramid::{BaseSlots, LobePyramid, MixtureLevel};
@@ -75,25 +77,30 @@ impl Default for Rules {
 #[derive(Clone, Debug)]
 pub struct UnalignedVmf(pub VmfFilter);
 
-/// Stored lobes of one lookup, all slots.
+/// Stored lobes of one lookup and their stored colours `alpha y`, all slots.
 #[derive(Clone, Copy, Debug)]
-struct Slots([glam::Vec4; MAX_LOBES]);
+struct Slots([(glam::Vec4, Vec3); MAX_LOBES]);
 
 impl Slots {
-    const EMPTY: Self = Self([glam::Vec4::ZERO; MAX_LOBES]);
+    const EMPTY: Self = Self([(glam::Vec4::ZERO, Vec3::ZERO); MAX_LOBES]);
+
+    fn add(&mut self, slot: usize, stored: glam::Vec4, color: Vec3) {
+        self.0[slot].0 += stored;
+        self.0[slot].1 += color;
+    }
 }
 
 impl std::ops::Add for Slots {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self(std::array::from_fn(|slot| self.0[slot] + other.0[slot]))
+        Self(std::array::from_fn(|slot| (self.0[slot].0 + other.0[slot].0, self.0[slot].1 + other.0[slot].1)))
     }
 }
 
 impl std::ops::Mul<f32> for Slots {
     type Output = Self;
     fn mul(self, factor: f32) -> Self {
-        Self(self.0.map(|stored| stored * factor))
+        Self(self.0.map(|(stored, color)| (stored * factor, color * factor)))
     }
 }
 
@@ -108,12 +115,14 @@ impl VmfFilter {
     fn slots_of(&self, level: usize, index: usize) -> Slots {
         let mut slots = Slots::EMPTY;
         if level == 0 {
+            let stored = glam::Vec4::from(self.lobes.base_lobe(index));
             let slot = usize::from(self.fold.0[self.lobes.base_slot(index)]);
-            slots.0[slot] = glam::Vec4::from(self.lobes.base_lobe(index));
+            slots.add(slot, stored, stored.x * self.lobes.map.color(index));
         } else if let Some(mixtures) = self.lobes.level(level) {
             let stored = mixtures.texel(index % mixtures.width, index / mixtures.width);
             for (slot, &stored) in stored.iter().enumerate() {
-                slots.0[usize::from(self.fold.0[slot])] += glam::Vec4::from(stored);
+                let color = self.lobes.color(level, index * mixtures.lobes + slot);
+                slots.add(usize::from(self.fold.0[slot]), glam::Vec4::from(stored), color);
             }
         }
         slots
@@ -128,7 +137,8 @@ impl VmfFilter {
 impl Slots {
     /// What the lobes reflect together.
     fn shade(&self, light: &LocalLight, material: &Material) -> Vec3 {
-        self.0.iter().filter(|stored| stored.x > EMPTY_WEIGHT).map(|&s| shade_lobe(s, light, material)).sum()
+        let filled = self.0.iter().filter(|(stored, _)| stored.x > EMPTY_WEIGHT);
+        filled.map(|&(stored, color)| color / stored.x * shade_lobe(stored, light, material)).sum()
     }
 }
 
@@ -162,7 +172,8 @@ impl Filter for UnalignedVmf {
     }
 }
 
-/// `alpha (Ks Bs(w_h . mu) + Kd) cos` of one stored lobe (Han et al. 2007, Algorithm 2), linear RGB.
+/// `alpha (Ks Bs(w_h . mu) + Kd) cos` of one stored lobe (Han et al. 2007, Algorithm 2) before its colour y, linear
+/// RGB.
 fn shade_lobe(stored: glam::Vec4, light: &LocalLight, material: &Material) -> Vec3 {
     let weight = stored.x;
     let resultant = stored.yzw() / weight;

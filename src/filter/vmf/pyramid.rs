@@ -2,6 +2,9 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
+
+use super::color::ColorLevel;
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::{Mixture, StoredLobe};
@@ -49,13 +52,15 @@ pub struct LobePyramid {
     pub base: Option<Arc<BaseSlots>>,
     /// `coarse[k]` holds level `k + 1`, `None` while it is not done.
     pub coarse: Vec<Option<Arc<MixtureLevel>>>,
+    /// `colors[k]` holds the colours of level `k + 1`'s lobes, `None` while they are not done or there is no albedo.
+    pub colors: Vec<Option<Arc<ColorLevel>>>,
 }
 
 impl LobePyramid {
     /// A pyramid of which nothing is fitted yet.
     pub fn unfitted(map: Arc<NormalMap>) -> Self {
         let levels = map.level_sizes().len();
-        Self { map, base: None, coarse: vec![None; levels - 1] }
+        Self { map, base: None, coarse: vec![None; levels - 1], colors: vec![None; levels - 1] }
     }
 
     /// Number of levels, the base counted.
@@ -76,6 +81,26 @@ impl LobePyramid {
     /// The lobe of a base texel, `(1, n)`; empty where the texel is invalid.
     pub fn base_lobe(&self, index: usize) -> StoredLobe {
         self.map.normal(index).map_or([0.0; 4], |n| [1.0, n.x, n.y, n.z])
+    }
+
+    /// The stored colour `alpha y` of a lobe above the base, by its place in [`MixtureLevel::stored`]; `alpha`, for
+    /// white, while there is none.
+    pub fn color(&self, level: usize, index: usize) -> Vec3 {
+        let colors = level.checked_sub(1).and_then(|k| self.colors.get(k)?.as_ref());
+        let white = || self.level(level).map_or(Vec3::ZERO, |mixtures| Vec3::splat(mixtures.stored[index][0]));
+        colors.map_or_else(white, |colors| colors.stored[index].into())
+    }
+
+    /// The colour y of a texel's lobe; `None` for a map without colour and while it is not fitted.
+    pub fn lobe_color(&self, texel: Texel, slot: usize) -> Option<Vec3> {
+        self.map.albedo.as_ref()?;
+        if texel.level == 0 {
+            return Some(self.map.color(texel.y * self.map.width + texel.x));
+        }
+        self.colors.get(texel.level - 1)?.as_ref()?;
+        let mixtures = self.level(texel.level)?;
+        let index = (texel.y * mixtures.width + texel.x) * mixtures.lobes + slot;
+        Some(self.color(texel.level, index) / mixtures.stored[index][0])
     }
 
     /// The mixture of one texel, if its level is fitted.

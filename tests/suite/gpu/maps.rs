@@ -31,6 +31,7 @@ pub fn map(
         stored: Arc::new(stored),
         warnings: Vec::new(),
         decoder: None,
+        albedo: None,
     })
 }
 
@@ -95,5 +96,6 @@ pub fn mixtures(map: &Arc<NormalMap>, lobes: usize) -> LobePyramid {
         map: map.clone(),
         base: Some(Arc::new(BaseSlots { slots })),
         coarse: sizes[1..].iter().enumerate().map(|(k, &size)| level(size, k)).collect(),
+        colors: vec![None; sizes.len() - 1],
     }
 }

@@ -41,7 +41,7 @@ pub(super) fn exr_bytes(write: impl FnOnce(&mut Cursor<Vec<u8>>)) -> Vec<u8> {
 }
 
 /// An OpenEXR file with one layer of the named channels, sample `10 * channel + texel` in each.
-pub(super) fn exr_with(names: &[&str], half: bool) -> Vec<u8> {
+pub fn exr_with(names: &[&str], half: bool) -> Vec<u8> {
     let values = |channel: usize| (0..WIDTH * HEIGHT).map(move |texel| (10 * channel + texel) as f32 / 64.0);
     let channel = |(index, name): (usize, &&str)| {
         let samples = if half {

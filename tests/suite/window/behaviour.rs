@@ -8,8 +8,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use ndf_inspector::app::view_state::Layout;
 use ndf_inspector::filter::vmf::Fold;
-use ndf_inspector::normal_map::MapSource;
 use ndf_inspector::normal_map::pyramid::Texel;
+use ndf_inspector::normal_map::{MapOptions, MapSource};
+use ndf_inspector::session::MapRequest;
 
 use super::{Window, fitted, session, settle, window};
 
@@ -75,6 +76,22 @@ fn a_path_that_cannot_be_read_says_so_and_keeps_the_map() {
     window.get_by_label("Dismiss message 1").click();
     window.run();
     assert!(window.query_by_label("Dismiss message 1").is_none());
+}
+
+#[test]
+fn a_greyscale_image_is_offered_as_heights() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("bumps.png");
+    image::GrayImage::from_fn(16, 16, |x, y| image::Luma([(16 * x + y) as u8])).save(&path).expect("saved");
+    let mut window = window(fitted("pyramid5", 64));
+    window.state_mut().inspector.session.open(MapRequest::File { path: path.clone(), options: MapOptions::default() });
+    step_until(&mut window, "the offer", |window| window.query_by_label("Open as heights 1").is_some());
+    assert_eq!(window.state().inspector.session.map().source, MapSource::Bundled("pyramid5"));
+    window.get_by_label("Open as heights 1").click();
+    step_until(&mut window, "the map", |window| {
+        window.state().inspector.session.map().source == MapSource::File(path.clone())
+    });
+    assert!(window.query_by_label("Open as heights 1").is_none());
 }
 
 #[test]
@@ -144,7 +161,8 @@ fn a_double_click_on_a_slider_resets_it() {
     let value = window.get_by_label("Specular Ks").rect().center();
     double_click(&mut window, value);
     let specular = window.state().inspector.session.surface.material.specular;
-    assert!((specular - 0.12).abs() < 1e-6, "{specular}");
+    let default = ndf_inspector::brdf::Material::DEFAULT.specular;
+    assert!((specular - default).abs() < 1e-6, "{specular}");
 }
 
 #[test]

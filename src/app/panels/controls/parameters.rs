@@ -1,6 +1,13 @@
 //! Every parameter of the controls: name, range, default, unit, tooltip.
 
 use crate::app::parameter::Parameter;
+use crate::brdf::Material;
+use crate::filter::vmf::Alignment;
+use crate::lighting::DirectionalLight;
+use crate::session::opening::DEFAULT_HEIGHT_SCALE;
+
+const MATERIAL: Material = Material::DEFAULT;
+const LIGHT: DirectionalLight = DirectionalLight::DEFAULT;
 
 /// A dimensionless parameter on a linear scale.
 const PLAIN: Parameter =
@@ -22,7 +29,7 @@ pub(super) const LEVEL: &str = "Which level the surface reads: the one whose tex
 pub(super) const HEIGHT_SCALE: Parameter = Parameter {
     name: "Height scale",
     range: [0.01, 100.0],
-    default: 4.0,
+    default: DEFAULT_HEIGHT_SCALE as f64,
     logarithmic: true,
     tooltip: "Texel widths from the lowest to the highest height.",
     ..PLAIN
@@ -38,7 +45,7 @@ pub(super) const LOBES: Parameter = Parameter {
 pub(super) const BLEND: Parameter = Parameter {
     name: "Neighbours b",
     range: [0.0, 0.9],
-    default: 0.15,
+    default: Alignment::DEFAULT_BLEND as f64,
     tooltip: "The neighbours' share in the E-step; directions are left alone.",
     ..PLAIN
 };
@@ -63,7 +70,7 @@ pub(super) const ITERATIONS: Parameter = Parameter {
 pub(super) const SHININESS: Parameter = Parameter {
     name: "Shininess s",
     range: [1.0, 4000.0],
-    default: 64.0,
+    default: MATERIAL.shininess as f64,
     decimals: 1,
     logarithmic: true,
     tooltip: "Blinn-Phong exponent: (s + 1) / (2 pi) max(n.h, 0)^s.",
@@ -72,7 +79,7 @@ pub(super) const SHININESS: Parameter = Parameter {
 pub(super) const SPECULAR: Parameter = Parameter {
     name: "Specular Ks",
     range: [0.0, 2.0],
-    default: 0.12,
+    default: MATERIAL.specular as f64,
     decimals: 3,
     tooltip: "Strength of the specular part.",
     ..PLAIN
@@ -80,7 +87,7 @@ pub(super) const SPECULAR: Parameter = Parameter {
 pub(super) const DIFFUSE: Parameter = Parameter {
     name: "Diffuse Kd",
     range: [0.0, 2.0],
-    default: 0.45,
+    default: MATERIAL.diffuse as f64,
     decimals: 3,
     tooltip: "Strength of the diffuse part.",
     ..PLAIN
@@ -88,7 +95,7 @@ pub(super) const DIFFUSE: Parameter = Parameter {
 pub(super) const LIGHT_AZIMUTH: Parameter = Parameter {
     name: "Light azimuth",
     range: [-180.0, 180.0],
-    default: 118.0,
+    default: LIGHT.azimuth_deg as f64,
     unit: "°",
     decimals: 1,
     tooltip: "Where the light stands, from +x towards +y.",
@@ -97,7 +104,7 @@ pub(super) const LIGHT_AZIMUTH: Parameter = Parameter {
 pub(super) const LIGHT_ELEVATION: Parameter = Parameter {
     name: "Light elevation",
     range: [-90.0, 90.0],
-    default: 48.0,
+    default: LIGHT.elevation_deg as f64,
     unit: "°",
     decimals: 1,
     tooltip: "How high the light stands over the plane.",
@@ -106,7 +113,7 @@ pub(super) const LIGHT_ELEVATION: Parameter = Parameter {
 pub(super) const LIGHT_INTENSITY: Parameter = Parameter {
     name: "Light intensity",
     range: [0.0, 20.0],
-    default: 1.6,
+    default: LIGHT.intensity as f64,
     logarithmic: true,
     tooltip: "Factor on the light's colour.",
     ..PLAIN
@@ -134,3 +141,33 @@ pub(super) const EXPOSURE: Parameter = Parameter {
     tooltip: "Stops: each doubles the picture's linear values.",
     ..PLAIN
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::vmf::FitSettings;
+    use crate::lit_surface::LitSurface;
+
+    #[test]
+    fn a_reset_brings_back_what_a_new_session_has() {
+        let surface = LitSurface::default();
+        let fit = FitSettings::default();
+        let pairs = [
+            (LOBES, fit.lobes as f64),
+            (ITERATIONS, fit.iterations as f64),
+            (BLEND, f64::from(Alignment::DEFAULT_BLEND)),
+            (SHININESS, f64::from(surface.material.shininess)),
+            (SPECULAR, f64::from(surface.material.specular)),
+            (DIFFUSE, f64::from(surface.material.diffuse)),
+            (LIGHT_AZIMUTH, f64::from(surface.light.azimuth_deg)),
+            (LIGHT_ELEVATION, f64::from(surface.light.elevation_deg)),
+            (LIGHT_INTENSITY, f64::from(surface.light.intensity)),
+            (TILING_U, f64::from(surface.shape.tiling[0])),
+            (TILING_V, f64::from(surface.shape.tiling[1])),
+            (EXPOSURE, f64::from(surface.exposure_stops)),
+        ];
+        for (parameter, default) in pairs {
+            assert!((parameter.default - default).abs() < 1e-6, "{}: {default}", parameter.name);
+        }
+    }
+}
