@@ -62,7 +62,7 @@ struct MapReport {
 #[derive(Debug, Serialize)]
 struct SettingsReport {
     lobes: usize,
-    objective: &'static str,
+    objective: String,
     align: String,
     iterations: usize,
     tolerance: f64,
@@ -160,7 +160,7 @@ impl FitCommand {
             },
             settings: SettingsReport {
                 lobes: settings.lobes,
-                objective: "em",
+                objective: settings.objective.to_string(),
                 align: settings.align.to_string(),
                 iterations: settings.iterations,
                 tolerance: settings.tolerance,

@@ -8,7 +8,7 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::filter::vmf::{Alignment, FitSettings};
+use crate::filter::vmf::{Alignment, FitSettings, Objective};
 use crate::image_io::write_bytes_atomically;
 use crate::normal_map::{Addressing, GreenChannel, MapOptions};
 use crate::session::{MapRequest, OpenedMap, Session, opening};
@@ -93,9 +93,9 @@ pub struct FitArguments {
     /// Lobes per texel, 1 to 16.
     #[arg(short = 'J', long = "lobes", value_name = "N", value_parser = clap::value_parser!(u8).range(1..=16))]
     pub lobes: Option<u8>,
-    /// What a fit maximises.
-    #[arg(long, value_enum, default_value_t)]
-    pub objective: Objective,
+    /// What each texel's fit strives for: appearance, appearance:STEPS, likelihood or em.
+    #[arg(long)]
+    pub objective: Option<Objective>,
     /// How lobes are aligned: smooth, smooth:B, paper:C, map:C or none.
     #[arg(long)]
     pub align: Option<Alignment>,
@@ -113,14 +113,6 @@ pub struct FitArguments {
     pub threads: Option<u16>,
 }
 
-/// What a fit maximises.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Objective {
-    /// The likelihood, by expectation maximisation from one seed.
-    #[default]
-    Em,
-}
-
 /// Which inverse of A gives kappa.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Kappa {
@@ -135,6 +127,7 @@ impl FitArguments {
     pub fn over(&self, base: FitSettings) -> FitSettings {
         FitSettings {
             lobes: self.lobes.map_or(base.lobes, usize::from),
+            objective: self.objective.unwrap_or(base.objective),
             align: self.align.unwrap_or(base.align),
             iterations: self.iterations.unwrap_or(base.iterations),
             tolerance: self.tolerance.unwrap_or(base.tolerance),

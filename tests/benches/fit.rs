@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use criterion::Criterion;
 use glam::{DVec3, Vec3};
 use ndf_inspector::filter::vmf::fit::{expected_visits, fit};
-use ndf_inspector::filter::vmf::{Alignment, FitSettings, Monitor, seed};
+use ndf_inspector::filter::vmf::{Alignment, FitSettings, Monitor, Objective, seed};
 use ndf_inspector::normal_map::pyramid::Footprint;
 use ndf_inspector::normal_map::{NormalMap, procedural};
 use ndf_inspector::sphere::vmf::{self, KAPPA_MAX};
@@ -20,8 +20,14 @@ const PAIRS: usize = 7;
 
 /// The engine's fit, unaligned.
 fn engine(map: &Arc<NormalMap>, align: Alignment) {
-    let settings =
-        FitSettings { lobes: LOBES, align, iterations: ITERATIONS, tolerance: f64::NEG_INFINITY, ..Default::default() };
+    let settings = FitSettings {
+        lobes: LOBES,
+        objective: Objective::Em,
+        align,
+        iterations: ITERATIONS,
+        tolerance: f64::NEG_INFINITY,
+        ..Default::default()
+    };
     let monitor = Monitor::new(expected_visits(map, &settings));
     black_box(fit(map, &settings, &monitor, &mut |_| {})).expect("nobody cancels");
 }

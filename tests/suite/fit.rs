@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use ndf_inspector::filter::vmf::em::{self, Stop};
 use ndf_inspector::filter::vmf::fit::{FitEvent, expected_visits, fit};
 use ndf_inspector::filter::vmf::samples::FootprintSamples;
-use ndf_inspector::filter::vmf::{Alignment, FitSettings, LobePyramid, Monitor, seed, smooth};
+use ndf_inspector::filter::vmf::{Alignment, FitSettings, LobePyramid, Monitor, Objective, seed, smooth};
 use ndf_inspector::normal_map::procedural;
 use ndf_inspector::normal_map::pyramid::{Footprint, Texel};
 use ndf_inspector::normal_map::{Addressing, NormalMap};
@@ -23,7 +23,7 @@ pub fn fitted(map: &Arc<NormalMap>, settings: &FitSettings) -> LobePyramid {
 }
 
 fn unaligned(lobes: usize) -> FitSettings {
-    FitSettings { lobes, align: Alignment::None, ..FitSettings::default() }
+    FitSettings { lobes, objective: Objective::Em, align: Alignment::None, ..FitSettings::default() }
 }
 
 fn top(map: &NormalMap) -> Texel {
@@ -31,7 +31,7 @@ fn top(map: &NormalMap) -> Texel {
 }
 
 /// Everything finite, weights that sum to 1, unit directions, for every texel of every level.
-fn assert_sound(lobes: &LobePyramid) {
+pub fn assert_sound(lobes: &LobePyramid) {
     for (level, (width, height)) in lobes.map.level_sizes().into_iter().enumerate() {
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             let mixture = lobes.mixture(Texel { level, x, y }).expect("fitted");
@@ -126,7 +126,9 @@ fn one_thread_and_many_give_the_same_bits() {
 #[test]
 fn an_aligned_texel_keeps_its_exact_mean_normal() {
     let map = Arc::new(procedural::find("scales").expect("bundled").make(64));
-    let lobes = fitted(&map, &FitSettings { iterations: 20, ..FitSettings::default() });
+    // The top is no aligned texel: with Gauss-Newton steps its mean is near, not exact.
+    let settings = FitSettings { iterations: 20, objective: Objective::Em, ..FitSettings::default() };
+    let lobes = fitted(&map, &settings);
     for (level, (width, height)) in map.level_sizes().into_iter().enumerate().skip(1) {
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             let stored = lobes.level(level).expect("fitted").texel(x, y);

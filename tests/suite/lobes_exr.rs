@@ -165,9 +165,12 @@ fn a_target_that_cannot_be_written_is_named_and_left_whole() {
     assert_eq!(std::fs::read_dir(folder.path()).expect("there").count(), 1, "nothing is left beside the file");
 }
 
-/// A file of lobes as another program may write it: its parts by name, size, and the value of each channel.
-fn foreign(parts: &[(&str, (usize, usize), &[(&str, f32)])]) -> Vec<u8> {
-    let layer = |&(name, size, channels): &(&str, (usize, usize), &[(&str, f32)])| {
+/// A part as another program may write it: its name, its size, and the value of each channel.
+type ForeignPart<'a> = (&'a str, (usize, usize), &'a [(&'a str, f32)]);
+
+/// A file of lobes of another program.
+fn foreign(parts: &[ForeignPart<'_>]) -> Vec<u8> {
+    let layer = |&(name, size, channels): &ForeignPart<'_>| {
         let channel =
             |&(name, value): &(&str, f32)| AnyChannel::new(name, FlatSamples::F32(vec![value; size.0 * size.1]));
         let channels = AnyChannels::sort(channels.iter().map(channel).collect());

@@ -7,5 +7,6 @@ mod fit;
 mod gpu;
 mod house;
 mod lobes_exr;
+mod objectives;
 mod opening;
 mod window;

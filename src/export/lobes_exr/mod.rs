@@ -80,8 +80,8 @@ fn channel_name(slot: usize, component: usize) -> String {
 fn parse_channel(name: &str) -> Option<(usize, usize)> {
     let (slot, component) = name.strip_prefix("lobe.")?.split_once('.')?;
     let component = COMPONENTS.iter().position(|&known| known == component)?;
-    let slot: usize = slot.parse().ok().filter(|_| slot.len() == 2)?;
-    Some((slot, component))
+    let is_number = slot.len() == 2 && slot.bytes().all(|byte| byte.is_ascii_digit());
+    Some((slot.parse().ok().filter(|_| is_number)?, component))
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@
 
 use glam::DVec3;
 
-use super::kernel::{KernelLobes, Sums};
-use super::samples::FootprintSamples;
+use super::kernel::{self, KernelLobes, Sums};
+use super::samples::Samples;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf::{self, KAPPA_MAX, KappaRule};
 use crate::sphere::{Lobe, StoredLobe};
@@ -131,10 +131,15 @@ pub struct TexelFit {
     pub iterations: usize,
 }
 
+/// The E-step over all samples.
+pub fn e_step(samples: &impl Samples, lobes: &KernelLobes) -> Sums {
+    samples.sum(|slices, sums| kernel::accumulate(slices, lobes, sums))
+}
+
 /// Runs EM from `seed` over the footprint's normals; `after_iteration` returns false to stop early.
 /// Without a valid normal the result is one flat lobe.
 pub fn fit(
-    samples: &FootprintSamples<'_>,
+    samples: &impl Samples,
     seed: TexelLobes,
     stop: Stop,
     rule: KappaRule,
@@ -144,7 +149,7 @@ pub fn fit(
     let (mut previous, mut iterations) = (f64::NEG_INFINITY, 0);
     loop {
         let kernel = lobes.for_e_step(rule);
-        let sums = samples.e_step(&kernel);
+        let sums = e_step(samples, &kernel);
         if sums.total <= 0.0 {
             return TexelFit { lobes: TexelLobes::flat(seed.count), mean_log_likelihood: 0.0, iterations };
         }

@@ -9,6 +9,7 @@ use super::coherence::Coherence;
 use super::color::{self, ColorLevel};
 use super::em::Stop;
 use super::monitor::{Cancelled, Monitor};
+use super::objective::Objective;
 use super::pull::Pull;
 use super::pyramid::{BaseSlots, LobePyramid, MixtureLevel};
 use super::{base_slots, scanline, smooth, unaligned};
@@ -116,6 +117,8 @@ impl TryFrom<String> for Alignment {
 pub struct FitSettings {
     /// Lobes per texel J, `1..=16`.
     pub lobes: usize,
+    /// What each texel's own fit strives for.
+    pub objective: Objective,
     /// How lobes are aligned.
     pub align: Alignment,
     /// Most EM iterations per texel; an aligned pass takes at most its own number of them.
@@ -128,7 +131,14 @@ pub struct FitSettings {
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { lobes: 6, align: Alignment::default(), iterations: 100, tolerance: 1e-5, kappa: KappaRule::Exact }
+        Self {
+            lobes: 6,
+            objective: Objective::default(),
+            align: Alignment::default(),
+            iterations: 100,
+            tolerance: 1e-5,
+            kappa: KappaRule::Exact,
+        }
     }
 }
 
@@ -194,7 +204,8 @@ pub enum FitEvent {
 /// The normals that a fit of these settings is expected to visit, per level.
 pub fn expected_visits(map: &NormalMap, settings: &FitSettings) -> Vec<u64> {
     let colored = usize::from(map.albedo.is_some());
-    let per_level = (map.len() * (settings.iterations + 1 + settings.aligned_passes() + colored)) as u64;
+    let passes = unaligned::most_passes(settings) + settings.aligned_passes() + colored;
+    let per_level = (map.len() * passes) as u64;
     let levels = map.level_sizes().len();
     (0..levels).map(|level| if level == 0 { map.len() as u64 } else { per_level }).collect()
 }

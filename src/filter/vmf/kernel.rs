@@ -52,9 +52,9 @@ pub struct Sums {
     pub total: f64,
 }
 
-impl Sums {
+impl std::ops::AddAssign<&Self> for Sums {
     /// Adds the sums of further samples.
-    pub fn add(&mut self, other: &Self) {
+    fn add_assign(&mut self, other: &Self) {
         for j in 0..MAX_LOBES {
             self.weight[j] += other.weight[j];
             for axis in 0..3 {
@@ -77,12 +77,29 @@ pub struct SampleSlices<'a> {
     pub z: &'a [f32],
     /// Weights, 0 for padding and invalid texels.
     pub w: &'a [f32],
+    /// `1 - |n|^2` where a sample is the mean of several normals; empty where every sample is one normal. With it
+    /// `|n - mu|^2 + spread` is twice `1 - n.mu`, whatever the length of n.
+    pub spread: &'a [f32],
+}
+
+impl<'a> SampleSlices<'a> {
+    /// Samples `start..end`.
+    #[inline(always)]
+    pub fn range(&self, start: usize, end: usize) -> SampleSlices<'a> {
+        SampleSlices {
+            x: &self.x[start..end],
+            y: &self.y[start..end],
+            z: &self.z[start..end],
+            w: &self.w[start..end],
+            spread: if self.spread.is_empty() { self.spread } else { &self.spread[start..end] },
+        }
+    }
 }
 
 /// `exp(v)` for `v <= 0`, relative error 2e-7, 0 below -87: the reduction and polynomial of Cephes (Moshier 1992),
 /// written without branches so that it vectorises.
 #[inline(always)]
-fn exp_of_negative(v: f32) -> f32 {
+pub(super) fn exp_of_negative(v: f32) -> f32 {
     const ROUND: f32 = 12_582_912.0; // 1.5 * 2^23: adding it rounds to an integer in the low mantissa bits.
     let v = v.max(-87.0);
     let shifted = v * std::f32::consts::LOG2_E + ROUND;
@@ -129,19 +146,18 @@ pub fn accumulate(samples: &SampleSlices, lobes: &KernelLobes, sums: &mut Sums) 
     let mut start = 0;
     while start < samples.x.len() {
         let end = (start + BLOCK).min(samples.x.len());
-        let block = SampleSlices {
-            x: &samples.x[start..end],
-            y: &samples.y[start..end],
-            z: &samples.z[start..end],
-            w: &samples.w[start..end],
-        };
-        accumulate_block(block, lobes, &mut density, sums);
+        let block = samples.range(start, end);
+        if block.spread.is_empty() {
+            accumulate_block::<false>(block, lobes, &mut density, sums);
+        } else {
+            accumulate_block::<true>(block, lobes, &mut density, sums);
+        }
         start = end;
     }
 }
 
 #[inline(always)]
-fn lanes(slice: &[f32], group: usize) -> &[f32; LANES] {
+pub(super) fn lanes(slice: &[f32], group: usize) -> &[f32; LANES] {
     match slice[group * LANES..].first_chunk() {
         Some(lanes) => lanes,
         None => &[0.0; LANES],
@@ -154,7 +170,7 @@ fn lanes_mut(row: &mut [f32; BLOCK], group: usize) -> &mut [f32] {
 }
 
 #[inline(always)]
-fn accumulate_block(
+fn accumulate_block<const SPREAD: bool>(
     samples: SampleSlices<'_>,
     lobes: &KernelLobes,
     density: &mut [[f32; BLOCK]; MAX_LOBES],
@@ -168,13 +184,15 @@ fn accumulate_block(
     for group in 0..groups {
         let (x, y, z, w) =
             (lanes(samples.x, group), lanes(samples.y, group), lanes(samples.z, group), lanes(samples.w, group));
+        let spread = if SPREAD { lanes(samples.spread, group) } else { &[0.0; LANES] };
         let mut max = [LOG_ZERO; LANES];
         for j in 0..count {
             let ([mx, my, mz], k, l) = (lobes.mu[j], lobes.neg_half_kappa[j], lobes.log_scale[j]);
             let row = lanes_mut(&mut density[j], group);
             for i in 0..LANES {
                 let (dx, dy, dz) = (x[i] - mx, y[i] - my, z[i] - mz);
-                let log_density = l + k * (dx * dx + dy * dy + dz * dz);
+                let chord = dx * dx + dy * dy + dz * dz;
+                let log_density = l + k * if SPREAD { chord + spread[i] } else { chord };
                 row[i] = log_density;
                 max[i] = if log_density > max[i] { log_density } else { max[i] };
             }
@@ -255,7 +273,7 @@ mod tests {
             lobes.log_scale[j] = 0.3 * j as f32 - 1.0;
         }
         let mut fast = Sums::default();
-        accumulate(&SampleSlices { x: &x, y: &y, z: &z, w: &w }, &lobes, &mut fast);
+        accumulate(&SampleSlices { x: &x, y: &y, z: &z, w: &w, spread: &[] }, &lobes, &mut fast);
         let mut plain = Sums::default();
         for i in 0..n {
             let p = glam::Vec3::new(x[i], y[i], z[i]).as_dvec3();

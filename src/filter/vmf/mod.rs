@@ -1,18 +1,27 @@
 //! Mixtures of von Mises-Fisher lobes: fitting, alignment, storage and shading.
 
+pub mod appearance;
 pub mod base_slots;
+pub mod bins;
+pub mod children;
 pub mod coherence;
 pub mod color;
 pub mod em;
 pub mod fit;
 pub mod fold;
+pub mod gauss_newton;
 pub mod kernel;
+pub mod likelihood;
+pub mod merge;
 pub mod monitor;
+pub mod objective;
+pub mod phi;
 pub mod pull;
 pub mod pyramid;
 pub mod samples;
 pub mod scanline;
 pub mod seed;
+pub mod shaded;
 pub mod smooth;
 pub mod unaligned;
 
@@ -33,6 +42,7 @@ pub use coherence::Coherence;
 pub use color::ColorLevel;
 pub use fit::{Alignment, FitEvent, FitSettings, LevelStats};
 pub use monitor::{Cancelled, Monitor};
+pub use objective::Objective;
 pub use pyramid::{BaseSlots, LobePyramid, MixtureLevel};
 
 /// Which slot each slot's channels are added to before shading: the identity shows the fit as it is, anything else

@@ -4,6 +4,7 @@
 //! partial sums are always added in chunk order.
 
 use std::cell::RefCell;
+use std::ops::AddAssign;
 
 use rayon::prelude::*;
 
@@ -13,6 +14,18 @@ use crate::normal_map::pyramid::Footprint;
 
 /// Most samples in a chunk.
 pub const CHUNK: usize = 4096;
+
+/// Sums over a part of the samples, which add up to those over all.
+pub trait Partial: Default + Copy + Send + for<'a> AddAssign<&'a Self> {}
+
+impl<S: Default + Copy + Send + for<'a> AddAssign<&'a S>> Partial for S {}
+
+/// Weighted normals that a fit may sum over as often as it likes.
+pub trait Samples: Sync {
+    /// Shows every sample to `visit`, a batch at a time and in parallel where there are many; the partial sums are
+    /// added in an order that no number of threads changes.
+    fn sum<S: Partial>(&self, visit: impl Fn(&SampleSlices, &mut S) + Sync) -> S;
+}
 
 /// Room for one chunk.
 struct Scratch {
@@ -47,6 +60,16 @@ impl<'a> FootprintSamples<'a> {
         Self { map, footprint }
     }
 
+    /// The map they are read from.
+    pub fn map(&self) -> &'a NormalMap {
+        self.map
+    }
+
+    /// The base texels they cover.
+    pub fn footprint(&self) -> &Footprint {
+        &self.footprint
+    }
+
     /// Base texels touched.
     pub fn len(&self) -> usize {
         self.footprint.len()
@@ -59,22 +82,7 @@ impl<'a> FootprintSamples<'a> {
 
     /// The E-step over the whole footprint, in parallel where it is large.
     pub fn e_step(&self, lobes: &KernelLobes) -> Sums {
-        let (across, rows_per_part) = self.layout();
-        let parts = across * self.footprint.rows.len().div_ceil(rows_per_part);
-        let partial = |index: usize| self.e_step_part(self.part(index, across, rows_per_part), lobes);
-        if parts == 1 {
-            return partial(0);
-        }
-        // Batches bound the memory for partial sums; their order is the chunks' order.
-        const BATCH: usize = 64;
-        let mut sums = Sums::default();
-        let mut batch = [Sums::default(); BATCH];
-        for first in (0..parts).step_by(BATCH) {
-            let count = BATCH.min(parts - first);
-            batch[..count].par_iter_mut().enumerate().for_each(|(i, slot)| *slot = partial(first + i));
-            batch[..count].iter().for_each(|partial| sums.add(partial));
-        }
-        sums
+        self.sum(|slices, sums| kernel::accumulate(slices, lobes, sums))
     }
 
     /// Parts across a row, and rows in a part.
@@ -90,7 +98,7 @@ impl<'a> FootprintSamples<'a> {
         Part { columns: (left, (left + CHUNK).min(columns.end)), rows: (top, (top + rows_per_part).min(rows.end)) }
     }
 
-    fn e_step_part(&self, part: Part, lobes: &KernelLobes) -> Sums {
+    fn visit_part<S: Partial>(&self, part: Part, visit: &impl Fn(&SampleSlices, &mut S)) -> S {
         SCRATCH.with_borrow_mut(|scratch| {
             let count = self.gather(part, scratch);
             let samples = SampleSlices {
@@ -98,9 +106,10 @@ impl<'a> FootprintSamples<'a> {
                 y: &scratch.y[..count],
                 z: &scratch.z[..count],
                 w: &scratch.w[..count],
+                spread: &[],
             };
-            let mut sums = Sums::default();
-            kernel::accumulate(&samples, lobes, &mut sums);
+            let mut sums = S::default();
+            visit(&samples, &mut sums);
             sums
         })
     }
@@ -136,5 +145,26 @@ impl<'a> FootprintSamples<'a> {
             array[count..padded].fill(0.0);
         }
         padded
+    }
+}
+
+impl Samples for FootprintSamples<'_> {
+    fn sum<S: Partial>(&self, visit: impl Fn(&SampleSlices, &mut S) + Sync) -> S {
+        let (across, rows_per_part) = self.layout();
+        let parts = across * self.footprint.rows.len().div_ceil(rows_per_part);
+        let partial = |index: usize| self.visit_part(self.part(index, across, rows_per_part), &visit);
+        if parts == 1 {
+            return partial(0);
+        }
+        // Batches bound the memory for partial sums; their order is the chunks' order.
+        const BATCH: usize = 64;
+        let mut sums = S::default();
+        let mut batch = [S::default(); BATCH];
+        for first in (0..parts).step_by(BATCH) {
+            let count = BATCH.min(parts - first);
+            batch[..count].par_iter_mut().enumerate().for_each(|(i, slot)| *slot = partial(first + i));
+            batch[..count].iter().for_each(|partial| sums += partial);
+        }
+        sums
     }
 }

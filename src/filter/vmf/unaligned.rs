@@ -4,14 +4,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::em::{self, TexelFit};
+use super::bins::{self, BinnedSamples};
+use super::children::Children;
+use super::em::{self, Stop, TexelFit};
 use super::fit::{FitSettings, LevelStats};
 use super::monitor::{Cancelled, Monitor};
+use super::objective::Objective;
 use super::pyramid::{LobePyramid, MixtureLevel};
-use super::samples::FootprintSamples;
+use super::samples::{FootprintSamples, Samples};
 use super::seed::{self, Candidates};
-use crate::normal_map::pyramid::{Footprint, Span};
-use crate::sphere::StoredLobe;
+use super::{appearance, likelihood};
+use crate::normal_map::pyramid::Footprint;
 
 /// Fits one level above the base; the next finer one must be there.
 pub fn fit_level(
@@ -34,6 +37,41 @@ pub fn fit_level(
     Ok((mixtures, stats))
 }
 
+/// One texel's fit: how, and how far.
+pub struct TexelTask<'a> {
+    /// How it is fitted.
+    pub settings: &'a FitSettings,
+    /// Base texels of the footprint.
+    pub normals: usize,
+    monitor: &'a Monitor,
+    level: usize,
+    passes: usize,
+}
+
+impl TexelTask<'_> {
+    /// Counts a pass over the footprint's normals; false where the fit should end.
+    pub fn visited(&mut self) -> bool {
+        self.passes += 1;
+        self.monitor.visited(self.level, self.normals as u64);
+        !self.monitor.is_cancelled()
+    }
+
+    /// Counts the passes that were expected and not needed.
+    fn finish(&self) {
+        let left = most_passes(self.settings).saturating_sub(self.passes);
+        self.monitor.visited(self.level, (left * self.normals) as u64);
+    }
+}
+
+/// Passes over a texel's normals that its own fit is expected to take at most.
+pub fn most_passes(settings: &FitSettings) -> usize {
+    match settings.objective {
+        Objective::Em => settings.iterations + 1,
+        Objective::Appearance { steps } => appearance::ITERATIONS.min(settings.iterations) + usize::from(steps) + 1,
+        Objective::Likelihood => likelihood::most_passes(settings),
+    }
+}
+
 /// Fits one texel of one level from its children's lobes.
 pub fn fit_texel(
     lobes: &LobePyramid,
@@ -42,37 +80,50 @@ pub fn fit_texel(
     settings: &FitSettings,
     monitor: &Monitor,
 ) -> TexelFit {
-    let map = &lobes.map;
+    let map = lobes.map.as_ref();
     let sizes = map.level_sizes();
     let footprint = Footprint::new(sizes[0], sizes[level], texel);
+    let mut task = TexelTask { settings, normals: footprint.len(), monitor, level, passes: 0 };
     let samples = FootprintSamples::new(map, footprint);
-    let visits = footprint.len() as u64;
-    let budget = visits * (settings.iterations as u64 + 1);
-    let mut visited = 0;
-    let stop = settings.stop();
-    let mut run = |seed, stop| {
-        em::fit(&samples, seed, stop, settings.kappa, || {
-            visited += visits;
-            monitor.visited(level, visits);
-            !monitor.is_cancelled()
-        })
-    };
     let exact = if small(&footprint, settings.lobes) { seed::exact(map, &footprint, settings.lobes) } else { None };
-    let fit = match exact {
-        Some(lobes) => run(lobes, em::Stop { iterations: 0, ..stop }),
-        None => {
-            let seed = seed_of(lobes, level, texel, &samples, settings.lobes);
-            if footprint.len() >= RACED && settings.iterations > RACE {
-                let (centres, count) = seed::farthest_normals(map, &footprint, settings.lobes);
-                let rival = seed::assign(&samples, &centres[..count], settings.lobes);
-                race(&mut run, seed, rival, stop)
-            } else {
-                run(seed, stop)
-            }
+    let children = Children::new(lobes, level, texel);
+    let fit = match (exact, settings.objective) {
+        (Some(lobes), _) => em::fit(&samples, lobes, Stop { iterations: 0, tolerance: 0.0 }, settings.kappa, || true),
+        (None, Objective::Em) => fit_by_em(&samples, &children, &mut task),
+        (None, objective) if footprint.len() >= bins::WORTHWHILE => {
+            fit_from_merge(objective, &BinnedSamples::new(map, &footprint), &children, &mut task)
         }
+        (None, objective) => fit_from_merge(objective, &samples, &children, &mut task),
     };
-    monitor.visited(level, budget.saturating_sub(visited));
+    task.finish();
     fit
+}
+
+/// The objectives that start from the children's lobes merged.
+fn fit_from_merge(
+    objective: Objective,
+    samples: &impl Samples,
+    children: &Children<'_>,
+    task: &mut TexelTask<'_>,
+) -> TexelFit {
+    match objective {
+        Objective::Appearance { steps } => appearance::fit(samples, children, usize::from(steps), task),
+        Objective::Em | Objective::Likelihood => likelihood::fit(samples, children, task),
+    }
+}
+
+/// EM to its tolerance from the children's lobes, farthest apart.
+fn fit_by_em(samples: &FootprintSamples<'_>, children: &Children<'_>, task: &mut TexelTask<'_>) -> TexelFit {
+    let settings = task.settings;
+    let stop = settings.stop();
+    let mut run = |seed, stop| em::fit(samples, seed, stop, settings.kappa, || task.visited());
+    let seed = seed_of(children, samples, settings.lobes);
+    if samples.len() < RACED || settings.iterations <= RACE {
+        return run(seed, stop);
+    }
+    let (centres, count) = seed::farthest_normals(samples.map(), samples.footprint(), settings.lobes);
+    let rival = seed::assign(samples, &centres[..count], settings.lobes);
+    race(&mut run, seed, rival, stop)
 }
 
 /// Iterations that two seeds are given before the better one goes on.
@@ -83,18 +134,18 @@ const RACED: usize = 64;
 
 /// Runs both seeds for a while and the one of higher likelihood to the end: a single start can end far off.
 fn race(
-    run: &mut impl FnMut(em::TexelLobes, em::Stop) -> TexelFit,
+    run: &mut impl FnMut(em::TexelLobes, Stop) -> TexelFit,
     first: em::TexelLobes,
     second: em::TexelLobes,
-    stop: em::Stop,
+    stop: Stop,
 ) -> TexelFit {
-    let short = em::Stop { iterations: RACE, ..stop };
+    let short = Stop { iterations: RACE, ..stop };
     let (first, second) = (run(first, short), run(second, short));
     let better = if second.mean_log_likelihood > first.mean_log_likelihood { second } else { first };
     if better.iterations < RACE {
         return better;
     }
-    let rest = run(better.lobes, em::Stop { iterations: stop.iterations - RACE, ..stop });
+    let rest = run(better.lobes, Stop { iterations: stop.iterations - RACE, ..stop });
     TexelFit { iterations: RACE + rest.iterations, ..rest }
 }
 
@@ -103,31 +154,14 @@ fn small(footprint: &Footprint, lobes: usize) -> bool {
     footprint.len() <= lobes
 }
 
-/// The seed of a texel: its children's lobes, farthest apart, then one hard assignment of its normals.
-fn seed_of(
-    lobes: &LobePyramid,
-    level: usize,
-    (x, y): (usize, usize),
-    samples: &FootprintSamples<'_>,
-    slots: usize,
-) -> em::TexelLobes {
-    let sizes = lobes.map.level_sizes();
-    let (coarse, fine) = (sizes[level], sizes[level - 1]);
-    let columns = Span::new(fine.0, coarse.0, x);
-    let rows = Span::new(fine.1, coarse.1, y);
-    let children = (rows.start..rows.end).flat_map(|y| (columns.start..columns.end).map(move |x| (x, y)));
+/// The seed of EM: the children's lobes, farthest apart, then one hard assignment of the texel's normals.
+fn seed_of(children: &Children<'_>, samples: &FootprintSamples<'_>, slots: usize) -> em::TexelLobes {
     let mut candidates = Candidates::default();
     let mut mean = glam::Vec3::ZERO;
-    let mut add = |stored: &[StoredLobe]| {
+    children.each(|stored, _| {
         candidates.push_stored(stored);
         mean += seed::mean_of(stored.iter().copied());
-    };
-    for (x, y) in children {
-        match lobes.level(level - 1) {
-            Some(finer) => add(finer.texel(x, y)),
-            None => add(&[lobes.base_lobe(y * fine.0 + x)]),
-        }
-    }
+    });
     let (centres, count) = candidates.farthest_apart(slots, mean);
     seed::assign(samples, &centres[..count], slots)
 }

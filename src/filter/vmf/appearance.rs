@@ -1,0 +1,54 @@
+//! The fit for the shaded look: the children's lobes merged as a material blurs them, a few EM iterations on the data,
+//! then Gauss-Newton steps on the squared distance between the shaded mixture and the shaded truth.
+//!
+//! Likelihood weighs lobes that no material can tell apart; the blur of a usual material does not. The merge changes
+//! the shaded mixture least in squared error, and the steps lower that error itself ([`super::phi`]).
+
+use super::children::Children;
+use super::em::{self, Stop, TexelFit, TexelLobes};
+use super::gauss_newton;
+use super::merge::{Blurred, Candidates, Ward};
+use super::samples::Samples;
+use super::unaligned::TexelTask;
+
+/// EM iterations between the merge and the steps.
+pub const ITERATIONS: usize = 5;
+
+/// Exponent of the material whose blur decides the merge.
+const MERGE_SHININESS: f64 = 64.0;
+
+/// Footprints of fewer normals, levels 2 and 3, are merged by Ward's criterion: it does as well there, at a tenth of
+/// the cost.
+const WARD_BELOW: usize = 256;
+
+/// The children's lobes merged down to the texel's slots.
+fn merged(children: &Children<'_>, normals: usize, slots: usize) -> TexelLobes {
+    let mut candidates = Candidates::default();
+    if normals < WARD_BELOW {
+        children.add_to(&mut candidates, &Ward);
+        candidates.merge_down_to(slots, &Ward);
+    } else {
+        let criterion = Blurred { shininess: MERGE_SHININESS };
+        children.add_to(&mut candidates, &criterion);
+        candidates.merge_down_to(slots, &criterion);
+    }
+    candidates.to_lobes(slots)
+}
+
+/// Fits one texel.
+pub fn fit(samples: &impl Samples, children: &Children<'_>, steps: usize, task: &mut TexelTask<'_>) -> TexelFit {
+    let rule = task.settings.kappa;
+    let mut lobes = merged(children, task.normals, task.settings.lobes);
+    let iterations = ITERATIONS.min(task.settings.iterations);
+    for _ in 0..iterations {
+        let kernel = lobes.for_e_step(rule);
+        let sums = em::e_step(samples, &kernel);
+        if sums.total <= 0.0 || !task.visited() {
+            break;
+        }
+        lobes.m_step(&kernel, &sums);
+    }
+    gauss_newton::refine(samples, &mut lobes, steps, &mut || task.visited());
+    let fit = em::fit(samples, lobes, Stop { iterations: 0, tolerance: 0.0 }, rule, || true);
+    TexelFit { iterations, ..fit }
+}
