@@ -30,6 +30,8 @@ struct Frame {
 
 // Weights below this are an empty slot (sphere/mixture.rs).
 const EMPTY_WEIGHT: f32 = 1e-7;
+// Slots at most (sphere/mixture.rs).
+const MAX_LOBES: u32 = 16u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 
@@ -212,6 +214,58 @@ fn vmf(point: Point) -> @location(0) vec4u {
         if stored.x > EMPTY_WEIGHT {
             sum += shade_lobe(stored, light, material());
         }
+    }
+    return seen(frame.radiance * sum);
+}
+
+// What the lobes of one texel reflect, slots folded before they are shaded.
+fn shade_texel(texel: vec2i, level: i32, light: LocalLight, material: Material) -> vec3f {
+    var folded = array<vec4f, MAX_LOBES>();
+    for (var slot = 0u; slot < frame.lobes; slot++) {
+        folded[fold(slot)] += textureLoad(lobes, texel, slot, level);
+    }
+    var sum = vec3f(0.0);
+    for (var slot = 0u; slot < frame.lobes; slot++) {
+        if folded[slot].x > EMPTY_WEIGHT {
+            sum += shade_lobe(folded[slot], light, material);
+        }
+    }
+    return sum;
+}
+
+// The blend of what the four texels around `uv` reflect, `level` counted as the map's.
+fn shade_around(uv: vec2f, level: i32, light: LocalLight, material: Material) -> vec3f {
+    // Not textureDimensions(): some adapters answer it for one level per quad, and a quad may straddle two.
+    let size = max(vec2i(frame.base_size) >> vec2u(u32(level)), vec2i(1));
+    var taps = bilinear(uv, size, frame.wraps != 0u);
+    var sum = vec3f(0.0);
+    for (var i = 0; i < 4; i++) {
+        if taps.weight[i] == 0.0 {
+            continue;
+        }
+        if level > 0 {
+            sum += taps.weight[i] * shade_texel(taps.texel[i], level - i32(frame.lobe_level), light, material);
+            continue;
+        }
+        // A base texel is one lobe (1, n), whichever slot it sits in.
+        let normal = textureLoad(means, taps.texel[i], 0).xyz;
+        if any(normal != vec3f(0.0)) {
+            sum += taps.weight[i] * shade_lobe(vec4f(1.0, normal), light, material);
+        }
+    }
+    return sum;
+}
+
+@fragment
+fn vmf_unaligned(point: Point) -> @location(0) vec4u {
+    let lookup = lookup_of(point);
+    let light = local_light(point);
+    let lod = level_of_detail(frame.fixed_level, lookup.uv_dx, lookup.uv_dy, frame.base_size, frame.vmf_lods);
+    let level = floor(lod);
+    let share = lod - level;
+    var sum = (1.0 - share) * shade_around(lookup.uv, i32(level), light, material());
+    if share > 0.0 {
+        sum += share * shade_around(lookup.uv, i32(level) + 1, light, material());
     }
     return seen(frame.radiance * sum);
 }

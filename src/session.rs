@@ -210,6 +210,11 @@ impl Session {
         self.fitting.cancel();
     }
 
+    /// Measures what the alignment of every finished level is worth; waits.
+    pub fn measure_coherence(&mut self) {
+        self.fitting.measure_coherence();
+    }
+
     /// Opens a map in the background; the open one stays until the new one is read.
     pub fn open(&mut self, request: MapRequest) {
         if let Err(message) = self.opening.start(request, &self.wake) {

@@ -1,9 +1,13 @@
 //! Normalised Blinn-Phong, `f(u) = (s+1)/(2 pi) max(u, 0)^s`, and its convolution with a von Mises-Fisher lobe.
 //!
 //! The convolution is again close to a Blinn-Phong lobe of a smaller exponent s'. The rules differ in how s' is
-//! found; `1/kappa` is the lobe's width squared, 0 for a delta, where every rule gives s' = s.
+//! found; `1/kappa` is the lobe's width squared, 0 for a delta, where every rule gives s' = s. The exact convolution is
+//! a Legendre series.
 
 use std::f64::consts::PI;
+
+use crate::sphere::harmonics::{cosine_power_zonal, vmf_zonal, zonal_series};
+use crate::sphere::vmf::{self, KAPPA_MAX};
 
 /// Blinn-Phong as a function of the cosine between normal and half vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,11 +35,47 @@ pub enum ConvolutionRule {
     ShiftedExponent,
     /// `s' = (2m-1)/(1-m)` with `m = A(kappa) (s+1)/(s+2)`, floored at 0: exact in the first moment.
     Moment,
+    /// The convolution itself, `sum_l (2l+1)/(4 pi) rho_l A_l(kappa) P_l(u)`: slow, and the judge of the others.
+    Exact,
+}
+
+/// How a lobe reflects diffusely.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DiffuseRule {
+    /// The clamped cosine of the mean direction (Han et al. 2007, Algorithm 2), wrong for wide lobes.
+    #[default]
+    Cosine,
+    /// The clamped cosine convolved with the lobe.
+    Exact,
+}
+
+impl DiffuseRule {
+    /// The lobe's `max(n . w, 0)`, for the cosine between its mean direction and the light.
+    pub fn cosine(self, kappa: f64, cosine: f64) -> f64 {
+        match self {
+            Self::Cosine => cosine.max(0.0),
+            Self::Exact => PI * convolved(kappa, 1.0, cosine),
+        }
+    }
+}
+
+/// `f` of exponent `shininess` convolved with a lobe of concentration `kappa`, at the cosine `u` to its mean direction.
+/// A lobe sharper than [`KAPPA_MAX`] counts as a delta.
+fn convolved(kappa: f64, shininess: f64, u: f64) -> f64 {
+    if kappa > KAPPA_MAX {
+        return BlinnPhong { shininess }.zonal(u);
+    }
+    // The terms follow exp(-l^2/2 (1/kappa + 1/(s+1))); below s = 8 those of f fall off too slowly to count on.
+    let width = if shininess < 8.0 { kappa } else { kappa * (shininess + 1.0) / (kappa + shininess + 1.0) };
+    let bands = 10 + (7.0 * width.sqrt()) as usize;
+    let terms = cosine_power_zonal(shininess, bands).into_iter().zip(vmf_zonal(kappa, bands));
+    zonal_series(terms.map(|(rho, a)| rho * a), u).max(0.0)
 }
 
 impl ConvolutionRule {
-    /// Every rule, in the order they are offered.
-    pub const ALL: [Self; 3] = [Self::ShiftedExponent, Self::Moment, Self::Paper];
+    /// Every rule of closed form, in the order they are offered: those that shaders know.
+    pub const CLOSED: [Self; 3] = [Self::ShiftedExponent, Self::Moment, Self::Paper];
 
     /// The name to show.
     pub fn label(self) -> &'static str {
@@ -43,16 +83,29 @@ impl ConvolutionRule {
             Self::Paper => "paper (eq. 20)",
             Self::ShiftedExponent => "s + 1",
             Self::Moment => "moment",
+            Self::Exact => "exact",
         }
     }
 
-    /// The exponent s' of Blinn-Phong with exponent `shininess` convolved with a lobe of concentration `kappa`.
+    /// Blinn-Phong of exponent `shininess` convolved with a lobe of concentration `kappa`, at the cosine to the lobe's
+    /// mean direction.
+    pub fn convolved(self, kappa: f64, shininess: f64, cosine: f64) -> f64 {
+        match self {
+            Self::Exact => convolved(kappa, shininess, cosine),
+            _ => BlinnPhong { shininess: self.blurred_exponent(kappa, shininess) }.zonal(cosine),
+        }
+    }
+
+    /// The exponent s' of Blinn-Phong with exponent `shininess` convolved with a lobe of concentration `kappa`; where
+    /// the rule has none, that of the default.
     pub fn blurred_exponent(self, kappa: f64, shininess: f64) -> f64 {
         match self {
             Self::Paper => kappa * shininess / (kappa + shininess),
-            Self::ShiftedExponent => (kappa * (shininess + 1.0) / (kappa + shininess + 1.0) - 1.0).max(0.0),
+            Self::ShiftedExponent | Self::Exact => {
+                (kappa * (shininess + 1.0) / (kappa + shininess + 1.0) - 1.0).max(0.0)
+            }
             Self::Moment => {
-                let m = crate::sphere::vmf::mean_resultant_length(kappa) * (shininess + 1.0) / (shininess + 2.0);
+                let m = vmf::mean_resultant_length(kappa) * (shininess + 1.0) / (shininess + 2.0);
                 ((2.0 * m - 1.0) / (1.0 - m)).max(0.0)
             }
         }
@@ -79,9 +132,50 @@ mod tests {
 
     #[test]
     fn a_delta_leaves_the_exponent_alone_under_every_rule() {
-        for rule in ConvolutionRule::ALL {
+        for rule in ConvolutionRule::CLOSED {
             let blurred = rule.blurred_exponent(1e12, 64.0);
             assert!((blurred - 64.0).abs() < 1e-3, "{rule:?}: {blurred}");
+        }
+    }
+
+    #[test]
+    fn the_exact_convolution_is_the_integral_over_the_lobe() {
+        for (kappa, shininess) in
+            [(0.0_f64, 10.0_f64), (2.0, 1.0), (30.0, 1.0), (5.0, 10.0), (15.5, 400.0), (2e3, 64.0)]
+        {
+            for u in [1.0_f64, 0.9, 0.3, -0.2] {
+                // Midpoint rule over the lobe: cosine to the lobe's axis by equal shares of its weight, and azimuth.
+                let (steps, turns) = (2000, 64);
+                let mut sum = 0.0;
+                for i in 0..steps {
+                    let share = (f64::from(i) + 0.5) / f64::from(steps);
+                    let c = if kappa == 0.0 {
+                        2.0 * share - 1.0
+                    } else {
+                        1.0 + (share + (1.0 - share) * (-2.0 * kappa).exp()).ln() / kappa
+                    };
+                    for turn in 0..turns {
+                        let azimuth = f64::from(turn) * 2.0 * PI / f64::from(turns);
+                        let cosine = c * u + ((1.0 - c * c) * (1.0 - u * u)).sqrt() * azimuth.cos();
+                        sum += BlinnPhong { shininess }.zonal(cosine);
+                    }
+                }
+                let integral = sum / f64::from(steps * turns);
+                let exact = ConvolutionRule::Exact.convolved(kappa, shininess, u);
+                let peak = ConvolutionRule::Exact.convolved(kappa, shininess, 1.0);
+                assert!(
+                    (exact - integral).abs() < 2e-3 * peak,
+                    "kappa {kappa}, s {shininess}, u {u}: {exact} {integral}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_exact_cosine_of_a_sharp_lobe_is_the_clamped_one_and_of_a_uniform_one_a_quarter() {
+        for u in [-0.5, 0.2, 1.0] {
+            assert!((DiffuseRule::Exact.cosine(9e4, u) - DiffuseRule::Cosine.cosine(9e4, u)).abs() < 1e-4, "{u}");
+            assert!((DiffuseRule::Exact.cosine(0.0, u) - 0.25).abs() < 1e-12, "{u}");
         }
     }
 }

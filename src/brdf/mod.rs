@@ -5,7 +5,7 @@ pub mod blinn_phong;
 use glam::Vec3;
 use std::str::FromStr;
 
-pub use blinn_phong::{BlinnPhong, ConvolutionRule};
+pub use blinn_phong::{BlinnPhong, ConvolutionRule, DiffuseRule};
 
 /// What the lit surface is made of: a Lambertian and a Blinn-Phong part.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -23,6 +23,8 @@ pub struct Material {
     pub diffuse_color: Vec3,
     /// How a lobe and the BRDF are convolved.
     pub convolution: ConvolutionRule,
+    /// How a lobe reflects diffusely.
+    pub diffuse_rule: DiffuseRule,
 }
 
 impl Material {
@@ -34,6 +36,7 @@ impl Material {
         specular_color: Vec3::new(1.0, 0.96, 0.9),
         diffuse_color: Vec3::new(0.32, 0.36, 0.45),
         convolution: ConvolutionRule::ShiftedExponent,
+        diffuse_rule: DiffuseRule::Cosine,
     };
 }
 

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::export::write_lobes;
 use super::options::{FitArguments, MapArguments, wait_for_fit, write_text};
-use crate::filter::vmf::smooth;
+use crate::filter::vmf::{Coherence, smooth};
 use crate::normal_map::pyramid::{Footprint, Texel};
 use crate::session::Session;
 use crate::sphere::direction::polar_deg;
@@ -78,6 +78,9 @@ struct LevelReport {
     mean_log_likelihood: f64,
     mean_iterations: f64,
     seconds: f64,
+    log_likelihood_lost: f64,
+    #[serde(flatten)]
+    coherence: Option<Coherence>,
 }
 
 #[derive(Debug, Serialize)]
@@ -115,7 +118,9 @@ impl FitCommand {
         session.skip_previews();
         session.begin(settings);
         wait_for_fit(&mut session)?;
-        let report = self.report(&session, start.elapsed().as_secs_f64());
+        let seconds = start.elapsed().as_secs_f64();
+        session.measure_coherence();
+        let report = self.report(&session, seconds);
         if let Some(path) = &self.exr {
             write_lobes(path, &session)?;
         }
@@ -139,6 +144,8 @@ impl FitCommand {
                 mean_log_likelihood: stats.mean_log_likelihood,
                 mean_iterations: stats.mean_iterations,
                 seconds: stats.seconds,
+                log_likelihood_lost: stats.log_likelihood_lost,
+                coherence: stats.coherence,
             })
         };
         Report {
@@ -221,12 +228,22 @@ impl Report {
         for warning in &self.map.warnings {
             text += &format!("warning: {warning}\n");
         }
-        text += "\nlevel         size  log-likelihood  iterations  seconds\n";
+        text +=
+            "\nlevel         size  log-likelihood     lost  iterations  seconds  coherence  interpolated  trilinear\n";
         for level in &self.levels {
             let size = format!("{} x {}", level.width, level.height);
+            let coherence = level.coherence.unwrap_or_default();
             text += &format!(
-                "{:>5} {:>12}  {:>14.4}  {:>10.1}  {:>7.3}\n",
-                level.level, size, level.mean_log_likelihood, level.mean_iterations, level.seconds
+                "{:>5} {:>12}  {:>14.4}  {:>7.4}  {:>10.1}  {:>7.3}  {:>8.2}°  {:>12.4}  {:>9}\n",
+                level.level,
+                size,
+                level.mean_log_likelihood,
+                level.log_likelihood_lost,
+                level.mean_iterations,
+                level.seconds,
+                coherence.coherence_deg,
+                coherence.interpolation_error,
+                coherence.trilinear_error.map_or_else(String::new, |error| format!("{error:.4}")),
             );
         }
         self.texels.iter().for_each(|texel| text += &texel.to_text());

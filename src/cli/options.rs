@@ -96,7 +96,7 @@ pub struct FitArguments {
     /// What each texel's fit strives for: appearance, appearance:STEPS, likelihood or em.
     #[arg(long)]
     pub objective: Option<Objective>,
-    /// How lobes are aligned: smooth, smooth:B, paper:C or none.
+    /// How lobes are aligned: smooth, smooth:B, paper:C, map:C or none.
     #[arg(long)]
     pub align: Option<Alignment>,
     /// Most EM iterations per texel.

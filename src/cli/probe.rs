@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::fit::check_texel;
 use super::options::{FitArguments, MapArguments, read_text, wait_for_fit, write_text};
-use crate::brdf::Brdf;
-use crate::filter::vmf::Fold;
-use crate::filter::{Filter, Method, MethodChoice, Truth, VmfFilter};
+use crate::brdf::{Brdf, ConvolutionRule, DiffuseRule};
+use crate::filter::vmf::{Alignment, Fold, Rules};
+use crate::filter::{Filter, Method, MethodChoice, Truth, UnalignedVmf, VmfFilter};
 use crate::normal_map::pyramid::Texel;
 use crate::session::Session;
 use crate::sphere::Direction;
@@ -26,12 +26,18 @@ pub struct ProbeCommand {
     /// How it is fitted, for vmf.
     #[command(flatten)]
     pub fit: FitArguments,
-    /// The method: truth, mip, vmf or vmf:J.
+    /// The method: truth, mip, vmf:J or vmf:J:unaligned.
     #[arg(long, value_name = "METHOD")]
     pub method: MethodChoice,
     /// The BRDF: lambert or blinn-phong:S.
     #[arg(long, value_name = "BRDF", default_value = "blinn-phong:64")]
     pub brdf: Brdf,
+    /// How a lobe and Blinn-Phong are convolved, for vmf.
+    #[arg(long, value_enum, default_value_t)]
+    pub convolution: Convolution,
+    /// How a lobe reflects diffusely, for vmf.
+    #[arg(long, value_enum, default_value_t)]
+    pub diffuse: Diffuse,
     /// A texel; any number of them.
     #[arg(long = "texel", value_name = "LEVEL,X,Y", required = true)]
     pub texels: Vec<Texel>,
@@ -44,6 +50,31 @@ pub struct ProbeCommand {
     /// Write the result as JSON to FILE, - for standard output.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+}
+
+/// How a lobe and Blinn-Phong are convolved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Convolution {
+    /// Equation 20 of Han et al. 2007.
+    Paper,
+    /// The same with s + 1 in the place of s.
+    #[default]
+    #[value(name = "s+1")]
+    ShiftedExponent,
+    /// Exact in the first moment.
+    Moment,
+    /// The convolution itself, a Legendre series.
+    Exact,
+}
+
+/// How a lobe reflects diffusely.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Diffuse {
+    /// The clamped cosine of its mean direction, Algorithm 2 of Han et al. 2007.
+    Cosine,
+    /// The clamped cosine convolved with the lobe.
+    #[default]
+    Exact,
 }
 
 /// The result, schema 1; others script against it.
@@ -76,28 +107,45 @@ impl ProbeCommand {
         let mut session = Session::with_opened(opened, Arc::new(|| {}));
         let mut settings = self.fit.over(*session.fit_settings());
         settings.lobes = self.method.lobes.unwrap_or(settings.lobes);
-        if self.method.method == Method::Vmf {
+        if self.method.method == Method::VmfUnaligned {
+            // Each texel's own best fit serves unaligned shading best.
+            settings.align = self.fit.align.unwrap_or(Alignment::None);
+        }
+        if self.method.method.shows_lobes() {
             session.set_threads(self.fit.threads());
             session.skip_previews();
             session.begin(settings);
             wait_for_fit(&mut session)?;
         }
-        let filter = filter_of(&session, self.method.method);
+        let filter = filter_of(&session, self.method.method, self.rules());
         let texel_report = |&texel: &Texel| TexelReport {
             level: texel.level,
             x: texel.x,
             y: texel.y,
             values: omegas.iter().map(|omega| filter.effective_brdf(texel, self.brdf, omega.vector())).collect(),
         };
-        let method = match self.method.method {
-            Method::Vmf => MethodChoice { lobes: Some(settings.lobes), ..self.method }.to_string(),
-            _ => self.method.to_string(),
-        };
+        let lobes = self.method.method.shows_lobes().then_some(settings.lobes);
+        let method = MethodChoice { lobes, ..self.method }.to_string();
         let texels = self.texels.iter().map(texel_report).collect();
         let report = Report { schema: 1, method, brdf: self.brdf.to_string(), texels };
         match &self.json {
             Some(path) => write_text(path, &serde_json::to_string_pretty(&report)?),
             None => write_text("-".as_ref(), report.to_text().trim_end()),
+        }
+    }
+
+    fn rules(&self) -> Rules {
+        Rules {
+            convolution: match self.convolution {
+                Convolution::Paper => ConvolutionRule::Paper,
+                Convolution::ShiftedExponent => ConvolutionRule::ShiftedExponent,
+                Convolution::Moment => ConvolutionRule::Moment,
+                Convolution::Exact => ConvolutionRule::Exact,
+            },
+            diffuse: match self.diffuse {
+                Diffuse::Cosine => DiffuseRule::Cosine,
+                Diffuse::Exact => DiffuseRule::Exact,
+            },
         }
     }
 
@@ -117,11 +165,13 @@ impl ProbeCommand {
 }
 
 /// The filter of a method over what the session holds.
-fn filter_of(session: &Session, method: Method) -> Box<dyn Filter> {
+fn filter_of(session: &Session, method: Method, rules: Rules) -> Box<dyn Filter> {
+    let vmf = || VmfFilter { lobes: Arc::clone(session.lobes()), fold: Fold::default(), rules };
     match method {
         Method::Truth => Box::new(Truth { map: Arc::clone(session.map()), samples: 1 }),
         Method::Mip => Box::new(session.mip().as_ref().clone()),
-        Method::Vmf => Box::new(VmfFilter { lobes: Arc::clone(session.lobes()), fold: Fold::default() }),
+        Method::Vmf => Box::new(vmf()),
+        Method::VmfUnaligned => Box::new(UnalignedVmf(vmf())),
     }
 }
 

@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 
 use super::options::{FitArguments, MapArguments, wait_for_fit};
 use crate::brdf::Brdf;
-use crate::filter::{Method, MethodChoice};
+use crate::filter::MethodChoice;
 use crate::gpu::context::Gpu;
 use crate::gpu::{FrameInput, render_to_rgba8};
 use crate::image_io::write_png_rgba8;
@@ -46,7 +46,7 @@ pub struct SceneArguments {
     /// A session file to start from.
     #[arg(long, value_name = "FILE")]
     pub session: Option<PathBuf>,
-    /// One method over the whole picture: truth, mip, vmf or vmf:J.
+    /// One method over the whole picture: truth, mip, vmf:J or vmf:J:unaligned.
     #[arg(long, value_name = "METHOD", conflicts_with_all = ["left", "right"])]
     pub method: Option<MethodChoice>,
     /// The method left of the wipe.
@@ -185,7 +185,7 @@ impl RenderCommand {
         let gpu = Gpu::headless()?;
         let comparison = session.comparison;
         let shown = [(comparison.wipe > 0.0, comparison.left), (comparison.wipe < 1.0, comparison.right)];
-        if shown.contains(&(true, Method::Vmf)) {
+        if shown.into_iter().any(|(is_seen, method)| is_seen && method.shows_lobes()) {
             session.begin(*session.fit_settings());
             wait_for_fit(&mut session)?;
         }

@@ -17,7 +17,7 @@ use crate::normal_map::pyramid::Texel;
 
 pub use plain_mip::PlainMip;
 pub use truth::Truth;
-pub use vmf::VmfFilter;
+pub use vmf::{UnalignedVmf, VmfFilter};
 
 /// A filtering method by name, as the command line and the session file write it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -30,11 +30,13 @@ pub enum Method {
     /// `vmf`: aligned von Mises-Fisher lobes, as many as were fitted.
     #[default]
     Vmf,
+    /// `vmf:unaligned`: the same lobes, each texel around shaded on its own and the results blended.
+    VmfUnaligned,
 }
 
 impl Method {
     /// Every method, in the order they are offered.
-    pub const ALL: [Self; 3] = [Self::Truth, Self::Mip, Self::Vmf];
+    pub const ALL: [Self; 4] = [Self::Truth, Self::Mip, Self::Vmf, Self::VmfUnaligned];
 
     /// The name, without parameters.
     pub fn name(self) -> &'static str {
@@ -42,7 +44,13 @@ impl Method {
             Self::Truth => "truth",
             Self::Mip => "mip",
             Self::Vmf => "vmf",
+            Self::VmfUnaligned => "vmf:unaligned",
         }
+    }
+
+    /// True for the methods that show fitted lobes.
+    pub fn shows_lobes(self) -> bool {
+        matches!(self, Self::Vmf | Self::VmfUnaligned)
     }
 }
 
@@ -94,7 +102,8 @@ impl std::fmt::Display for Method {
     }
 }
 
-/// A method with the lobe count that it asks for, as `METHOD` on the command line: `truth`, `mip`, `vmf` or `vmf:J`.
+/// A method with the lobe count that it asks for, as `METHOD` on the command line: `truth`, `mip`, `vmf[:J]`
+/// or `vmf[:J]:unaligned`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MethodChoice {
     /// The method.
@@ -105,7 +114,7 @@ pub struct MethodChoice {
 
 /// Why a method's name could not be read.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
-#[error("'{0}' is not a method: write truth, mip, vmf or vmf:J with J from 1 to 16")]
+#[error("'{0}' is not a method: write truth, mip, vmf:J or vmf:J:unaligned with J from 1 to 16")]
 pub struct ParseMethodError(String);
 
 impl FromStr for MethodChoice {
@@ -115,10 +124,12 @@ impl FromStr for MethodChoice {
         let named = Method::ALL.into_iter().find(|method| method.name() == text);
         let plain = named.map(|method| Self { method, lobes: None });
         let counted = || {
-            let lobes = text.strip_prefix("vmf:")?.parse().ok()?;
-            (1..=crate::sphere::mixture::MAX_LOBES)
-                .contains(&lobes)
-                .then_some(Self { method: Method::Vmf, lobes: Some(lobes) })
+            let (count, method) = match text.strip_suffix(":unaligned") {
+                Some(count) => (count, Method::VmfUnaligned),
+                None => (text, Method::Vmf),
+            };
+            let lobes = count.strip_prefix("vmf:")?.parse().ok()?;
+            (1..=crate::sphere::mixture::MAX_LOBES).contains(&lobes).then_some(Self { method, lobes: Some(lobes) })
         };
         plain.or_else(counted).ok_or_else(|| ParseMethodError(text.to_owned()))
     }
@@ -126,9 +137,10 @@ impl FromStr for MethodChoice {
 
 impl std::fmt::Display for MethodChoice {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.lobes {
-            Some(lobes) => write!(formatter, "{}:{lobes}", self.method),
-            None => write!(formatter, "{}", self.method),
+        match (self.lobes, self.method) {
+            (Some(lobes), Method::VmfUnaligned) => write!(formatter, "vmf:{lobes}:unaligned"),
+            (Some(lobes), method) => write!(formatter, "{method}:{lobes}"),
+            (None, method) => write!(formatter, "{method}"),
         }
     }
 }

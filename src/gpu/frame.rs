@@ -62,13 +62,13 @@ pub struct SurfaceFrame {
     surface: SurfacePass,
     compare: ComparePass,
     targets: Option<Targets>,
-    drawn: [Option<Key>; 3],
+    drawn: [Option<Key>; 4],
     truth_samples: u32,
     truth_shown: bool,
     exposure: f32,
 }
 
-/// The pictures: two for the truth, which takes turns reading one and writing the other, then mip and vmf.
+/// The pictures: two for the truth, which takes turns reading one and writing the other, then one for each other method.
 #[derive(Debug)]
 struct Targets {
     size: [u32; 2],
@@ -77,6 +77,7 @@ struct Targets {
     latest: usize,
     mip: Target,
     vmf: Target,
+    vmf_unaligned: Target,
 }
 
 /// What one method's picture depends on.
@@ -93,7 +94,8 @@ impl Targets {
     fn new(pass: &SurfacePass, device: &wgpu::Device, size: [u32; 2]) -> Self {
         let target = |label| pass.target(device, label, size);
         let truth = [target("truth, even"), target("truth, odd")];
-        Self { size, truth, latest: 0, mip: target("mip"), vmf: target("vmf") }
+        let [mip, vmf, vmf_unaligned] = ["mip", "vmf", "vmf, unaligned"].map(target);
+        Self { size, truth, latest: 0, mip, vmf, vmf_unaligned }
     }
 
     fn of(&self, method: Method) -> &Target {
@@ -101,6 +103,7 @@ impl Targets {
             Method::Truth => &self.truth[self.latest],
             Method::Mip => &self.mip,
             Method::Vmf => &self.vmf,
+            Method::VmfUnaligned => &self.vmf_unaligned,
         }
     }
 }
@@ -116,7 +119,7 @@ impl SurfaceFrame {
             compare: ComparePass::new(device, target_format),
             textures,
             targets: None,
-            drawn: [None, None, None],
+            drawn: [const { None }; 4],
             truth_samples: 0,
             truth_shown: false,
             exposure: 1.0,
@@ -188,7 +191,7 @@ impl SurfaceFrame {
         match method {
             Method::Truth => self.textures.base_is_complete().then_some([0.0, 0.0]),
             Method::Mip => self.textures.mip_lods(),
-            Method::Vmf => self.textures.vmf_lods(),
+            Method::Vmf | Method::VmfUnaligned => self.textures.vmf_lods(),
         }
     }
 
@@ -211,7 +214,7 @@ impl SurfaceFrame {
         // Exposure is put on by the comparison.
         let mut surface = LitSurface { exposure_stops: 0.0, ..*input.surface };
         let mut fold = input.fold;
-        if method != Method::Vmf {
+        if !method.shows_lobes() {
             fold = Fold::default();
             surface.material.convolution = ConvolutionRule::default();
         }
@@ -221,7 +224,7 @@ impl SurfaceFrame {
         let revisions = match method {
             Method::Truth => [self.textures.map_revision, 0],
             Method::Mip => [self.textures.means_revision, 0],
-            Method::Vmf => [self.textures.means_revision, self.textures.lobes_revision],
+            Method::Vmf | Method::VmfUnaligned => [self.textures.means_revision, self.textures.lobes_revision],
         };
         Key { surface, size, revisions, fold, lods: self.lod_range(method) }
     }
@@ -284,7 +287,7 @@ impl SurfaceFrame {
     fn scale(&self, method: Method) -> f32 {
         match method {
             Method::Truth => self.exposure / self.truth_samples.max(1) as f32,
-            Method::Mip | Method::Vmf => self.exposure,
+            Method::Mip | Method::Vmf | Method::VmfUnaligned => self.exposure,
         }
     }
 

@@ -7,7 +7,7 @@ use rayon::ThreadPool;
 
 use crate::export::lobes_exr::FittedLobes;
 use crate::filter::vmf::fit::{self, FitEvent, FitSettings, LevelStats};
-use crate::filter::vmf::{Cancelled, Fold, LobePyramid, Monitor, fold};
+use crate::filter::vmf::{Cancelled, Fold, LobePyramid, Monitor, coherence, fold};
 use crate::jobs::{self, Ended, Job, JobEvent, Wake};
 use crate::normal_map::NormalMap;
 
@@ -199,6 +199,15 @@ impl Fitting {
         });
         self.running = Some(Running { job: job.map_err(|error| sentence(&error))?, monitor });
         Ok(())
+    }
+
+    /// Measures what the alignment of every finished level is worth; waits.
+    pub fn measure_coherence(&mut self) {
+        for (level, fit) in self.levels.iter_mut().enumerate() {
+            if let (LevelState::Done, Some(stats)) = (fit.state, &mut fit.stats) {
+                stats.coherence = coherence::measure(&self.lobes, level);
+            }
+        }
     }
 
     /// Stops the job; the levels that are done stay.

@@ -1,6 +1,7 @@
-//! Mathematics on the unit sphere: directions, von Mises-Fisher lobes and mixtures of them.
+//! Mathematics on the unit sphere: directions, zonal series, von Mises-Fisher lobes and mixtures of them.
 
 pub mod direction;
+pub mod harmonics;
 pub mod mixture;
 pub mod vmf;
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 use ndf_inspector::brdf::Material;
 use ndf_inspector::export::lobes_exr::{FittedLobes, read_bytes, write};
-use ndf_inspector::filter::vmf::{Alignment, FitSettings, Fold, LobePyramid};
+use ndf_inspector::filter::vmf::{Alignment, FitSettings, Fold, LobePyramid, Rules};
 use ndf_inspector::filter::{Filter, LocalLight, Lookup, PlainMip, Truth, VmfFilter};
 use ndf_inspector::normal_map::albedo::Albedo;
 use ndf_inspector::normal_map::pyramid::Texel;
@@ -48,7 +48,7 @@ fn seen_from(filter: &dyn Filter, side: f32) -> Vec3 {
 }
 
 fn vmf(lobes: LobePyramid) -> VmfFilter {
-    VmfFilter { lobes: Arc::new(lobes), fold: Fold::default() }
+    VmfFilter { lobes: Arc::new(lobes), fold: Fold::default(), rules: Rules::default() }
 }
 
 #[test]

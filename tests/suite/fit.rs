@@ -111,7 +111,7 @@ fn the_reported_likelihood_is_that_of_the_stored_lobes_in_f64() {
 #[test]
 fn one_thread_and_many_give_the_same_bits() {
     let map = Arc::new(procedural::find("waves").expect("bundled").make(96));
-    for align in [Alignment::None, Alignment::default(), Alignment::Paper { c: 0.1 }] {
+    for align in [Alignment::None, Alignment::default(), Alignment::Paper { c: 0.1 }, Alignment::Map { c: 1.0 }] {
         let settings = FitSettings { align, lobes: 4, iterations: 20, ..FitSettings::default() };
         let run = |threads| {
             let pool = ndf_inspector::jobs::fit_pool(Some(threads)).expect("threads");
@@ -142,7 +142,7 @@ fn an_aligned_texel_keeps_its_exact_mean_normal() {
 #[test]
 fn every_alignment_survives_odd_sizes_invalid_texels_and_clamped_edges() {
     for (width, height) in [(1, 1), (1, 9), (37, 1), (7, 5), (10, 24)] {
-        for align in [Alignment::None, Alignment::default(), Alignment::Paper { c: 0.5 }] {
+        for align in [Alignment::None, Alignment::default(), Alignment::Paper { c: 0.5 }, Alignment::Map { c: 1.0 }] {
             let map = map_of(width, height, Addressing::Clamp, |x, y| {
                 let i = y * width + x;
                 if i % 11 == 3 { Vec3::ZERO } else { Vec3::new(noise(i) - 0.5, noise(i + 999) - 0.5, 0.4) }
@@ -164,7 +164,7 @@ fn degenerate_footprints_give_finite_lobes() {
     ];
     for (number, normal) in cases.into_iter().enumerate() {
         let map = map_of(16, 16, Addressing::Wrap, |x, y| normal(y * 16 + x));
-        for align in [Alignment::None, Alignment::default(), Alignment::Paper { c: 2.0 }] {
+        for align in [Alignment::None, Alignment::default(), Alignment::Paper { c: 2.0 }, Alignment::Map { c: 2.0 }] {
             let lobes = fitted(&map, &FitSettings { align, ..FitSettings::default() });
             if number < 5 {
                 assert_sound(&lobes);

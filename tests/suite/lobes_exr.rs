@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use exr::prelude::*;
 use ndf_inspector::export::lobes_exr::{FittedLobes, read, read_bytes, write};
-use ndf_inspector::filter::vmf::{Alignment, FitSettings, LevelStats, LobePyramid};
+use ndf_inspector::filter::vmf::{Alignment, Coherence, FitSettings, LevelStats, LobePyramid};
 use ndf_inspector::image_io::decode_bytes;
 use ndf_inspector::normal_map::{Addressing, MapOptions, MapSource, NormalMap, Warning};
 use ndf_inspector::session::{MapRequest, OpenedMap, Session, opening};
@@ -19,7 +19,14 @@ fn fit_of(lobes: LobePyramid) -> FittedLobes {
     let level = |level: usize| {
         // The time a level took is not written.
         let mean_log_likelihood = 7.420_049_234_100_341_5 / (1.0 + level as f64);
-        (level > 0).then_some(LevelStats { mean_log_likelihood, mean_iterations: 9.25, seconds: 0.0 })
+        let coherence = Coherence { coherence_deg: 1.0 / 3.0, interpolation_error: 0.02, trilinear_error: None };
+        (level > 0).then_some(LevelStats {
+            mean_log_likelihood,
+            mean_iterations: 9.25,
+            seconds: 0.0,
+            log_likelihood_lost: 0.1,
+            coherence: (level > 1).then_some(coherence),
+        })
     };
     let settings = FitSettings { lobes: 5, align: Alignment::Paper { c: 0.25 }, ..FitSettings::default() };
     FittedLobes { stats: (0..lobes.levels()).map(level).collect(), lobes: Arc::new(lobes), settings }

@@ -1,5 +1,6 @@
 //! One binary for all laws and faces, for wgpu links slowly: a module per law or face.
 
+mod alignment;
 mod cli;
 mod color;
 mod fit;

@@ -118,24 +118,32 @@ fn alignment(ui: &mut Ui, settings: &mut FitSettings) {
         None,
         Smooth,
         Paper,
+        Map,
     }
     let kind = match settings.align {
         Alignment::None => Kind::None,
         Alignment::Smooth { .. } => Kind::Smooth,
         Alignment::Paper { .. } => Kind::Paper,
+        Alignment::Map { .. } => Kind::Map,
     };
-    let kinds = [(Kind::Smooth, "smooth"), (Kind::Paper, "paper (eq. 23)"), (Kind::None, "none")];
+    let kinds = [
+        (Kind::Smooth, "smooth"),
+        (Kind::Paper, "paper (eq. 23)"),
+        (Kind::Map, "map (exact prior)"),
+        (Kind::None, "none"),
+    ];
     if let Some(kind) = choice(ui, "Alignment", p::ALIGNMENT, kind, &kinds) {
         settings.align = match kind {
             Kind::None => Alignment::None,
             Kind::Smooth => Alignment::default(),
             Kind::Paper => Alignment::Paper { c: p::STRENGTH.default as f32 },
+            Kind::Map => Alignment::Map { c: p::STRENGTH.default as f32 },
         };
     }
     match &mut settings.align {
         Alignment::None => {}
         Alignment::Smooth { blend } => drop(p::BLEND.show_f32(ui, blend)),
-        Alignment::Paper { c } => drop(p::STRENGTH.show_f32(ui, c)),
+        Alignment::Paper { c } | Alignment::Map { c } => drop(p::STRENGTH.show_f32(ui, c)),
     }
 }
 
@@ -173,7 +181,7 @@ fn material(ui: &mut Ui, surface: &mut LitSurface) {
         color(ui, "Diffuse colour", &mut material.diffuse_color);
         ui.label(RichText::new("diffuse").small().color(theme::WEAK));
     });
-    let rules = ConvolutionRule::ALL.map(|rule| (rule, rule.label()));
+    let rules = ConvolutionRule::CLOSED.map(|rule| (rule, rule.label()));
     if let Some(rule) = choice(ui, "Convolution", p::CONVOLUTION, material.convolution, &rules) {
         material.convolution = rule;
     }

@@ -17,6 +17,7 @@ pub fn method_label(method: Method) -> &'static str {
         Method::Truth => "truth",
         Method::Mip => "plain mip",
         Method::Vmf => "vmf lobes",
+        Method::VmfUnaligned => "vmf unaligned",
     }
 }
 
@@ -45,10 +46,12 @@ fn method_badges(painter: &Painter, context: &PanelContext<'_>, method: Method, 
             format!("{} · {samples} of {} samples per pixel", method_label(method), context.session.truth_samples)
         }
         Method::Mip => method_label(method).to_owned(),
-        Method::Vmf => format!("{} · J = {}", method_label(method), context.session.fit_settings().lobes),
+        Method::Vmf | Method::VmfUnaligned => {
+            format!("{} · J = {}", method_label(method), context.session.fit_settings().lobes)
+        }
     };
     let rect = badge(painter, at, align, &text, theme::STRONG);
-    if let (Method::Vmf, Some((note, color))) = (method, lobes_note(context)) {
+    if let (true, Some((note, color))) = (method.shows_lobes(), lobes_note(context)) {
         let below = pos2(if align == Align2::LEFT_TOP { rect.left() } else { rect.right() }, rect.bottom() + 4.0);
         badge(painter, below, align, &note, color);
     }

@@ -5,10 +5,12 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::coherence::Coherence;
 use super::color::{self, ColorLevel};
 use super::em::Stop;
 use super::monitor::{Cancelled, Monitor};
 use super::objective::Objective;
+use super::pull::Pull;
 use super::pyramid::{BaseSlots, LobePyramid, MixtureLevel};
 use super::{base_slots, scanline, smooth, unaligned};
 use crate::normal_map::NormalMap;
@@ -30,6 +32,11 @@ pub enum Alignment {
         /// Strength C, at least 0.
         c: f32,
     },
+    /// The exact M-step of the same prior (Mikkelsen 2008, eq. 113), of this strength per normal.
+    Map {
+        /// Strength c, at least 0.
+        c: f32,
+    },
 }
 
 impl Default for Alignment {
@@ -41,12 +48,21 @@ impl Default for Alignment {
 impl Alignment {
     /// The neighbours' share that [`Alignment::Smooth`] takes unless told.
     pub const DEFAULT_BLEND: f32 = 0.15;
+
+    /// How the scanline alignments pull; `None` for the others.
+    pub fn pull(self) -> Option<Pull> {
+        match self {
+            Self::None | Self::Smooth { .. } => None,
+            Self::Paper { c } => Some(Pull::Paper { c: f64::from(c) }),
+            Self::Map { c } => Some(Pull::Map { c: f64::from(c) }),
+        }
+    }
 }
 
 /// Why an alignment's name could not be read.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 #[error(
-    "'{0}' is not an alignment: write none, smooth, smooth:B with B from 0 to 0.9, or paper:C with C from 0 to 100"
+    "'{0}' is not an alignment: write none, smooth, smooth:B with B from 0 to 0.9, paper:C or map:C with C from 0 to 100"
 )]
 pub struct ParseAlignmentError(String);
 
@@ -55,13 +71,15 @@ impl FromStr for Alignment {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let number = |prefix: &str| text.strip_prefix(prefix).and_then(|value| value.parse::<f32>().ok());
+        let strength = |prefix: &str| number(prefix).filter(|c| (0.0..=100.0).contains(c));
         match text {
             "none" => Some(Self::None),
             "smooth" => Some(Self::default()),
             _ => number("smooth:")
                 .filter(|blend| (0.0..=0.9).contains(blend))
                 .map(|blend| Self::Smooth { blend })
-                .or_else(|| number("paper:").filter(|c| (0.0..=100.0).contains(c)).map(|c| Self::Paper { c })),
+                .or_else(|| strength("paper:").map(|c| Self::Paper { c }))
+                .or_else(|| strength("map:").map(|c| Self::Map { c })),
         }
         .ok_or_else(|| ParseAlignmentError(text.to_owned()))
     }
@@ -74,6 +92,7 @@ impl std::fmt::Display for Alignment {
             Self::Smooth { blend } if *blend == Self::DEFAULT_BLEND => formatter.write_str("smooth"),
             Self::Smooth { blend } => write!(formatter, "smooth:{blend}"),
             Self::Paper { c } => write!(formatter, "paper:{c}"),
+            Self::Map { c } => write!(formatter, "map:{c}"),
         }
     }
 }
@@ -134,13 +153,16 @@ impl FitSettings {
         match self.align {
             Alignment::None => 0,
             Alignment::Smooth { .. } => smooth::PASSES.min(self.iterations),
-            Alignment::Paper { .. } => scanline::ITERATIONS.min(self.iterations),
+            Alignment::Paper { .. } | Alignment::Map { .. } => {
+                self.align.pull().map_or(0, Pull::iterations).min(self.iterations)
+            }
         }
     }
 }
 
 /// What a fitted level came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct LevelStats {
     /// Mean over the level's texels of the mean log-likelihood of their normals.
     pub mean_log_likelihood: f64,
@@ -148,6 +170,10 @@ pub struct LevelStats {
     pub mean_iterations: f64,
     /// Seconds it took.
     pub seconds: f64,
+    /// Mean log-likelihood that alignment cost against each texel's own fit.
+    pub log_likelihood_lost: f64,
+    /// What the alignment is worth, once that was asked for.
+    pub coherence: Option<Coherence>,
 }
 
 /// News from a running fit.
@@ -195,10 +221,13 @@ pub fn fit(
 ) -> Result<LobePyramid, Cancelled> {
     let mut lobes = LobePyramid::unfitted(Arc::clone(map));
     let aligns = settings.align != Alignment::None;
+    // By level; the base is not fitted.
+    let mut own_log_likelihood = vec![0.0];
     for level in 1..lobes.levels() {
         let timed = std::time::Instant::now();
         let (mixtures, mut stats) = unaligned::fit_level(&lobes, level, settings, monitor)?;
         stats.seconds = timed.elapsed().as_secs_f64();
+        own_log_likelihood.push(stats.mean_log_likelihood);
         keep(&mut lobes, level, mixtures, stats, !aligns, report);
     }
     if aligns {
@@ -207,12 +236,13 @@ pub fn fit(
             let timed = std::time::Instant::now();
             // The aligned fit starts from the coarser level; this one's own lobes only take room.
             lobes.coarse[level - 1] = None;
-            let (mixtures, mut stats) = match settings.align {
-                Alignment::Paper { c } => scanline::fit_level(&lobes, level, c, settings, monitor)?,
-                Alignment::Smooth { blend } => smooth::fit_level(&lobes, level, blend, settings, monitor)?,
-                Alignment::None => break,
+            let (mixtures, mut stats) = match (settings.align, settings.align.pull()) {
+                (_, Some(pull)) => scanline::fit_level(&lobes, level, pull, settings, monitor)?,
+                (Alignment::Smooth { blend }, _) => smooth::fit_level(&lobes, level, blend, settings, monitor)?,
+                _ => break,
             };
             stats.seconds = timed.elapsed().as_secs_f64();
+            stats.log_likelihood_lost = own_log_likelihood[level] - stats.mean_log_likelihood;
             keep(&mut lobes, level, mixtures, stats, true, report);
         }
     }

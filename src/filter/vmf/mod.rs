@@ -4,6 +4,7 @@ pub mod appearance;
 pub mod base_slots;
 pub mod bins;
 pub mod children;
+pub mod coherence;
 pub mod color;
 pub mod em;
 pub mod fit;
@@ -15,6 +16,7 @@ pub mod merge;
 pub mod monitor;
 pub mod objective;
 pub mod phi;
+pub mod pull;
 pub mod pyramid;
 pub mod samples;
 pub mod scanline;
@@ -23,18 +25,20 @@ pub mod shaded;
 pub mod smooth;
 pub mod unaligned;
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
 
 use super::sampling::{Grid, trilinear};
 use super::{Filter, LocalLight, Lookup, reflect};
-use crate::brdf::{Brdf, Material};
+use crate::brdf::{Brdf, ConvolutionRule, DiffuseRule, Material};
 use crate::normal_map::pyramid::Texel;
-use crate::sphere::Mixture;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf;
+use crate::sphere::{Lobe, Mixture};
 
+pub use coherence::Coherence;
 pub use color::ColorLevel;
 pub use fit::{Alignment, FitEvent, FitSettings, LevelStats};
 pub use monitor::{Cancelled, Monitor};
@@ -59,7 +63,29 @@ pub struct VmfFilter {
     pub lobes: Arc<LobePyramid>,
     /// How slots are merged before shading.
     pub fold: Fold,
+    /// How effective BRDFs are found; pictures go by their material's.
+    pub rules: Rules,
 }
+
+/// How a lobe and a BRDF are convolved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rules {
+    /// For the specular part.
+    pub convolution: ConvolutionRule,
+    /// For the diffuse part.
+    pub diffuse: DiffuseRule,
+}
+
+impl Default for Rules {
+    fn default() -> Self {
+        Self { convolution: ConvolutionRule::default(), diffuse: DiffuseRule::Exact }
+    }
+}
+
+/// Shading of each of the eight texels around by its own lobes, and a blend of the results: slower than interpolating
+/// lobes, and right whatever slot a lobe sits in.
+#[derive(Clone, Debug)]
+pub struct UnalignedVmf(pub VmfFilter);
 
 /// Stored lobes of one lookup and their stored colours `alpha y`, all slots.
 #[derive(Clone, Copy, Debug)]
@@ -91,36 +117,68 @@ impl std::ops::Mul<f32> for Slots {
 impl VmfFilter {
     /// Interpolated lobes around `uv` in one level; nothing where the level is not fitted.
     fn slots_at(&self, uv: Vec2, level: usize) -> Slots {
-        let map = &self.lobes.map;
-        let (width, height) = map.level_sizes()[level];
-        let grid = Grid { width, height, addressing: map.options.addressing };
+        let taps = self.grid(level).bilinear(uv);
+        taps.into_iter().fold(Slots::EMPTY, |sum, (index, weight)| sum + self.slots_of(level, index) * weight)
+    }
+
+    /// The lobes of one texel, row-major `index`.
+    fn slots_of(&self, level: usize, index: usize) -> Slots {
         let mut slots = Slots::EMPTY;
-        for (index, weight) in grid.bilinear(uv) {
-            if level == 0 {
-                let slot = usize::from(self.fold.0[self.lobes.base_slot(index)]);
-                let stored = weight * glam::Vec4::from(self.lobes.base_lobe(index));
-                slots.add(slot, stored, stored.x * map.color(index));
-            } else if let Some(mixtures) = self.lobes.level(level) {
-                for (slot, &stored) in mixtures.texel(index % width, index / width).iter().enumerate() {
-                    let color = self.lobes.color(level, index * mixtures.lobes + slot);
-                    slots.add(usize::from(self.fold.0[slot]), weight * glam::Vec4::from(stored), weight * color);
-                }
+        if level == 0 {
+            let stored = glam::Vec4::from(self.lobes.base_lobe(index));
+            let slot = usize::from(self.fold.0[self.lobes.base_slot(index)]);
+            slots.add(slot, stored, stored.x * self.lobes.map.color(index));
+        } else if let Some(mixtures) = self.lobes.level(level) {
+            let stored = mixtures.texel(index % mixtures.width, index / mixtures.width);
+            for (slot, &stored) in stored.iter().enumerate() {
+                let color = self.lobes.color(level, index * mixtures.lobes + slot);
+                slots.add(usize::from(self.fold.0[slot]), glam::Vec4::from(stored), color);
             }
         }
         slots
+    }
+
+    fn grid(&self, level: usize) -> Grid {
+        let (width, height) = self.lobes.map.level_sizes()[level];
+        Grid { width, height, addressing: self.lobes.map.options.addressing }
+    }
+}
+
+impl Slots {
+    /// What the lobes reflect together.
+    fn shade(&self, light: &LocalLight, material: &Material) -> Vec3 {
+        let filled = self.0.iter().filter(|(stored, _)| stored.x > EMPTY_WEIGHT);
+        filled.map(|&(stored, color)| color / stored.x * shade_lobe(stored, light, material)).sum()
     }
 }
 
 impl Filter for VmfFilter {
     fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
         let mixture = self.lobes.mixture(texel).unwrap_or_default();
-        effective_brdf(&mixture, brdf, omega, crate::brdf::ConvolutionRule::default())
+        let diffuse = |lobe: &Lobe| {
+            lobe.weight * self.rules.diffuse.cosine(lobe.concentration, lobe.mean_direction.dot(omega)) / PI
+        };
+        match brdf {
+            Brdf::Lambert => mixture.lobes.iter().map(|(_, lobe)| diffuse(lobe)).sum(),
+            Brdf::BlinnPhong(_) => effective_brdf(&mixture, brdf, omega, self.rules.convolution),
+        }
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
-        let slots = trilinear(lookup.lod, self.lobes.levels(), |level| self.slots_at(lookup.uv, level));
-        let filled = slots.0.iter().filter(|(stored, _)| stored.x > EMPTY_WEIGHT);
-        filled.map(|&(stored, color)| color / stored.x * shade_lobe(stored, light, material)).sum()
+        trilinear(lookup.lod, self.lobes.levels(), |level| self.slots_at(lookup.uv, level)).shade(light, material)
+    }
+}
+
+impl Filter for UnalignedVmf {
+    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
+        self.0.effective_brdf(texel, brdf, omega)
+    }
+
+    fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
+        let of_texel = |level, (index, weight)| weight * self.0.slots_of(level, index).shade(light, material);
+        trilinear(lookup.lod, self.0.lobes.levels(), |level| {
+            self.0.grid(level).bilinear(lookup.uv).into_iter().map(|tap| of_texel(level, tap)).sum::<Vec3>()
+        })
     }
 }
 
@@ -132,19 +190,22 @@ fn shade_lobe(stored: glam::Vec4, light: &LocalLight, material: &Material) -> Ve
     let length = resultant.length();
     let mu = resultant / length.max(1e-12);
     let kappa = vmf::concentration(1.0 - f64::from(length));
-    let exponent = material.convolution.blurred_exponent(kappa, f64::from(material.shininess));
-    weight * reflect(material, exponent as f32, mu.dot(light.half_in_tangent), mu.dot(light.light_in_tangent))
+    let (half_cosine, light_cosine) = (mu.dot(light.half_in_tangent), mu.dot(light.light_in_tangent));
+    let shininess = f64::from(material.shininess);
+    if material.convolution != ConvolutionRule::Exact && material.diffuse_rule == DiffuseRule::Cosine {
+        let exponent = material.convolution.blurred_exponent(kappa, shininess) as f32;
+        return weight * reflect(material, exponent, half_cosine, light_cosine);
+    }
+    let specular = material.convolution.convolved(kappa, shininess, f64::from(half_cosine)) as f32;
+    let diffuse = material.diffuse_rule.cosine(kappa, f64::from(light_cosine)) as f32;
+    weight
+        * (material.specular * specular * light_cosine.max(0.0) * material.specular_color
+            + material.diffuse * diffuse * material.diffuse_color)
 }
 
 /// `sum_j alpha_j f_j(mu_j . omega)` with each f_j blurred by its lobe, per steradian.
-pub fn effective_brdf(mixture: &Mixture, brdf: Brdf, omega: DVec3, rule: crate::brdf::ConvolutionRule) -> f64 {
-    let blurred = |kappa: f64| rule.blurred_exponent(kappa, brdf.exponent());
-    mixture
-        .lobes
-        .iter()
-        .map(|(_, lobe)| {
-            let model = crate::brdf::BlinnPhong { shininess: blurred(lobe.concentration) };
-            lobe.weight * model.zonal(lobe.mean_direction.dot(omega))
-        })
-        .sum()
+pub fn effective_brdf(mixture: &Mixture, brdf: Brdf, omega: DVec3, rule: ConvolutionRule) -> f64 {
+    let of_lobe =
+        |lobe: &Lobe| lobe.weight * rule.convolved(lobe.concentration, brdf.exponent(), lobe.mean_direction.dot(omega));
+    mixture.lobes.iter().map(|(_, lobe)| of_lobe(lobe)).sum()
 }

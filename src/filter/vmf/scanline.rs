@@ -1,9 +1,10 @@
-//! The paper's alignment, `paper:C`: coarsest level first, texels in scanline order, each pulled towards its parent
-//! and its visited neighbours, `mu_j ~ r_j + C sum_k alpha_jk mu_jk` (Han et al. 2007, eq. 23).
+//! The scanline alignments, `paper:C` and `map:C`: coarsest level first, texels in scanline order, each fitted from the
+//! blend of the coarse texels around it while its parent and its visited neighbours [pull](Pull) its directions
+//! (Han et al. 2007, section 7.3).
 //!
-//! Given mu_j the best kappa_j is `A^-1(r_j . mu_j)`, not `A^-1(|r_j|)`, so `alpha (r_j . mu_j) mu_j` is stored.
 //! Texels on one diagonal `x + 2 y` do not see each other, so a diagonal is fitted in parallel and the result is bit
-//! for bit that of the scanline. Neighbours across the map's edge are not visited yet, and do not pull.
+//! for bit that of the scanline. Neighbours across the map's edge do not pull: most are not visited yet, and the others
+//! would make every row wait for the end of the last.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -11,14 +12,13 @@ use rayon::prelude::*;
 use super::em::TexelLobes;
 use super::fit::{FitSettings, LevelStats};
 use super::monitor::{Cancelled, Monitor};
+use super::pull::{Pull, Unpulled};
 use super::pyramid::{LobePyramid, MixtureLevel};
 use super::samples::FootprintSamples;
 use super::smooth::{self, blend_down};
 use crate::normal_map::pyramid::Footprint;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
-
-/// EM iterations per texel: the paper says seldom more than ten.
-pub const ITERATIONS: usize = 10;
+use crate::sphere::vmf::KappaRule;
 
 /// The neighbours of the level that a scanline has visited.
 const VISITED: [(i64, i64); 4] = [(-1, 0), (-1, -1), (0, -1), (1, -1)];
@@ -38,7 +38,7 @@ pub fn diagonals(width: usize, height: usize, mut visit: impl FnMut(&[(usize, us
 pub fn fit_level(
     lobes: &LobePyramid,
     level: usize,
-    c: f32,
+    pull: Pull,
     settings: &FitSettings,
     monitor: &Monitor,
 ) -> Result<(MixtureLevel, LevelStats), Cancelled> {
@@ -54,7 +54,8 @@ pub fn fit_level(
                 return TexelLobes::empty(settings.lobes);
             }
             monitor.visited(level, visits);
-            fit_texel(lobes, coarse, &mixtures, texel, c, settings)
+            let seed = TexelLobes::from_stored(mixtures.texel(texel.0, texel.1));
+            PulledTexel::new(lobes, coarse, &mixtures, texel, pull, settings.kappa).fit(seed, settings.aligned_passes())
         };
         texels.par_iter().map(fit).collect_into_vec(&mut fitted);
         for (&(x, y), lobes) in texels.iter().zip(&fitted) {
@@ -67,51 +68,75 @@ pub fn fit_level(
     Ok((mixtures, LevelStats { mean_iterations: settings.aligned_passes() as f64, ..stats }))
 }
 
-/// Fits one texel whose parent and visited neighbours are final.
-fn fit_texel(
-    lobes: &LobePyramid,
-    coarse: &MixtureLevel,
-    mixtures: &MixtureLevel,
-    texel: (usize, usize),
-    c: f32,
-    settings: &FitSettings,
-) -> TexelLobes {
-    let map = &lobes.map;
-    let size = (mixtures.width, mixtures.height);
-    let samples = FootprintSamples::new(map, Footprint::new((map.width, map.height), size, texel));
-    let pull = pull(coarse, mixtures, texel).map(|sum| f64::from(c) * sum);
-    let mut fit = TexelLobes::from_stored(mixtures.texel(texel.0, texel.1));
-    for _ in 0..settings.aligned_passes() {
-        let kernel = fit.for_e_step(settings.kappa);
-        let sums = samples.e_step(&kernel);
-        if sums.total <= 0.0 {
-            return TexelLobes::flat(settings.lobes);
-        }
-        fit.m_step(&kernel, &sums);
-        for (resultant, pull) in fit.resultant.iter_mut().zip(pull) {
-            *resultant = pulled(*resultant, pull);
-        }
-    }
-    fit
+/// One texel whose parent and visited neighbours are final.
+#[derive(Clone, Copy, Debug)]
+pub struct PulledTexel<'a> {
+    samples: FootprintSamples<'a>,
+    towards: [DVec3; MAX_LOBES],
+    pull: Pull,
+    rule: KappaRule,
 }
 
-/// The resultant turned to `r + pull`, as long as its own projection on that direction.
-fn pulled(resultant: DVec3, pull: DVec3) -> DVec3 {
-    if pull == DVec3::ZERO {
-        return resultant;
+impl<'a> PulledTexel<'a> {
+    /// Texel `texel` of the level of `mixtures`, whose parents are in `coarse`.
+    pub fn new(
+        lobes: &'a LobePyramid,
+        coarse: &MixtureLevel,
+        mixtures: &MixtureLevel,
+        texel: (usize, usize),
+        pull: Pull,
+        rule: KappaRule,
+    ) -> Self {
+        let map = &lobes.map;
+        let footprint = Footprint::new((map.width, map.height), (mixtures.width, mixtures.height), texel);
+        let towards = directions_around(coarse, mixtures, texel);
+        Self { samples: FootprintSamples::new(map, footprint), towards, pull, rule }
     }
-    match (resultant + pull).try_normalize() {
-        Some(mu) => resultant.dot(mu).max(0.0) * mu,
-        None => resultant,
+
+    /// `iterations` steps from `seed`; a flat lobe without a valid normal.
+    pub fn fit(&self, seed: TexelLobes, iterations: usize) -> TexelLobes {
+        let mut lobes = seed;
+        for _ in 0..iterations {
+            if self.step(&mut lobes).is_none() {
+                return TexelLobes::flat(seed.count);
+            }
+        }
+        lobes
+    }
+
+    /// One iteration: E-step, plain M-step, pull. Returns the mean log-likelihood before it, the pull's log-prior
+    /// added, which never falls from one iteration to the next where the pull is [`Pull::Map`]: mu_j is best given
+    /// kappa_j, then kappa_j given mu_j, a generalised EM (Dempster et al. 1977). `None` without a valid normal.
+    pub fn step(&self, lobes: &mut TexelLobes) -> Option<f64> {
+        let kernel = lobes.for_e_step(self.rule);
+        let sums = self.samples.e_step(&kernel);
+        if sums.total <= 0.0 {
+            return None;
+        }
+        let log_prior = self.log_prior(lobes);
+        lobes.m_step(&kernel, &sums);
+        for j in 0..lobes.count {
+            let (alpha, resultant) = (lobes.alpha[j], lobes.resultant[j]);
+            if alpha > 0.0 {
+                let kappa = -2.0 * f64::from(kernel.neg_half_kappa[j]);
+                lobes.resultant[j] = self.pull.turned(Unpulled { kappa, alpha, resultant }, self.towards[j]);
+            }
+        }
+        Some(sums.log_likelihood / sums.total + log_prior)
+    }
+
+    fn log_prior(&self, lobes: &TexelLobes) -> f64 {
+        let mu = |j: usize| (lobes.alpha[j] > 0.0).then(|| lobes.resultant[j].try_normalize()).flatten();
+        (0..lobes.count).map(|j| self.pull.log_prior(mu(j), self.towards[j])).sum()
     }
 }
 
 /// `sum_k alpha_jk mu_jk` over the parent and the visited neighbours, per slot.
-fn pull(coarse: &MixtureLevel, mixtures: &MixtureLevel, (x, y): (usize, usize)) -> [DVec3; MAX_LOBES] {
+fn directions_around(coarse: &MixtureLevel, mixtures: &MixtureLevel, (x, y): (usize, usize)) -> [DVec3; MAX_LOBES] {
     let mut sum = [DVec3::ZERO; MAX_LOBES];
     let mut add = |stored: &[[f32; 4]]| {
         for (slot, &stored) in stored.iter().enumerate().filter(|(_, stored)| stored[0] > EMPTY_WEIGHT) {
-            let mu = Vec3::new(stored[1], stored[2], stored[3]).normalize_or_zero().as_dvec3();
+            let mu = Vec3::new(stored[1], stored[2], stored[3]).as_dvec3().normalize_or_zero();
             sum[slot] += f64::from(stored[0]) * mu;
         }
     };

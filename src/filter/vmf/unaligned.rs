@@ -191,7 +191,7 @@ impl Totals {
         LevelStats {
             mean_log_likelihood: self.micro_log_likelihood.load(Ordering::Relaxed) as i64 as f64 * 1e-6 / texels as f64,
             mean_iterations: self.iterations.load(Ordering::Relaxed) as f64 / texels as f64,
-            seconds: 0.0,
+            ..LevelStats::default()
         }
     }
 }

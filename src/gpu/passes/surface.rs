@@ -93,7 +93,8 @@ impl FrameData {
             radiance: surface.light.radiance().to_array(),
             convolution: match material.convolution {
                 ConvolutionRule::Paper => 0,
-                ConvolutionRule::ShiftedExponent => 1,
+                // The exact convolution is the processor's alone; this rule is the nearest to it.
+                ConvolutionRule::ShiftedExponent | ConvolutionRule::Exact => 1,
                 ConvolutionRule::Moment => 2,
             },
             specular_color: material.specular_color.to_array(),
@@ -116,7 +117,7 @@ impl FrameData {
 /// Pipelines, meshes and constants.
 #[derive(Debug)]
 pub struct SurfacePass {
-    pipelines: [wgpu::RenderPipeline; 3],
+    pipelines: [wgpu::RenderPipeline; 4],
     constants: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
     sum_layout: wgpu::BindGroupLayout,
@@ -219,6 +220,17 @@ pub fn index(method: Method) -> usize {
         Method::Truth => 0,
         Method::Mip => 1,
         Method::Vmf => 2,
+        Method::VmfUnaligned => 3,
+    }
+}
+
+/// The shader's entry point.
+fn entry_point(method: Method) -> &'static str {
+    match method {
+        Method::Truth => "truth",
+        Method::Mip => "mip",
+        Method::Vmf => "vmf",
+        Method::VmfUnaligned => "vmf_unaligned",
     }
 }
 
@@ -317,7 +329,7 @@ fn pipeline(
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: shader,
-            entry_point: Some(method.name()),
+            entry_point: Some(entry_point(method)),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(COLOR_FORMAT.into())],
         }),

@@ -54,7 +54,8 @@ pub(super) const STRENGTH: Parameter = Parameter {
     range: [0.0, 100.0],
     default: 1.0,
     logarithmic: true,
-    tooltip: "Pull of the mean directions towards the neighbours' (Han et al. 2007, eq. 23).",
+    tooltip: "Pull of the mean directions towards the neighbours' (Han et al. 2007, eq. 23; Mikkelsen 2008, \
+              eq. 113).",
     ..PLAIN
 };
 pub(super) const ITERATIONS: Parameter = Parameter {
