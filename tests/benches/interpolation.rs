@@ -1,12 +1,14 @@
 //! Prints what every alignment is worth: the error half way between texel centres at s = 64, J = 6, as a multiple of
 //! what shading the texels around without alignment errs, and the curve over C. Maps: those named on the command line,
-//! else the bundled ones. `cargo bench --bench interpolation -- [--curve] [MAP…]`
+//! else the bundled ones. `cargo bench --bench interpolation -- [--curve]
+//! [--objective=NAME] [MAP…]`
 
 use std::path::Path;
 use std::sync::Arc;
 
 use ndf_inspector::filter::vmf::coherence::{Between, Blend, Interpolation};
 use ndf_inspector::filter::vmf::fit::{expected_visits, fit};
+use ndf_inspector::filter::vmf::objective::Objective;
 use ndf_inspector::filter::vmf::{Alignment, FitSettings, LobePyramid, Monitor};
 use ndf_inspector::normal_map::{MapOptions, NormalMap, procedural};
 use ndf_inspector::session::{MapRequest, opening};
@@ -17,6 +19,8 @@ const LEVELS: std::ops::RangeInclusive<usize> = 2..=6;
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
     let curve = arguments.iter().any(|argument| argument == "--curve");
+    let objective = arguments.iter().find_map(|argument| argument.strip_prefix("--objective=")?.parse().ok());
+    let objective = objective.unwrap_or_default();
     let named: Vec<&String> = arguments.iter().filter(|argument| !argument.starts_with("--")).collect();
     let maps: Vec<(String, Arc<NormalMap>)> = if named.is_empty() {
         ["bricks", "waves", "scales", "flakes", "plate", "pyramid5"].map(|name| (name.to_owned(), bundled(name))).into()
@@ -31,11 +35,11 @@ fn main() {
         ["smooth", "map:1", "paper:2", "none"].iter().filter_map(|text| text.parse().ok()).collect()
     };
     for between in [Between::Texels, Between::Levels] {
-        print_table(&maps, &forms, between);
+        print_table(&maps, &forms, objective, between);
     }
 }
 
-fn print_table(maps: &[(String, Arc<NormalMap>)], forms: &[Alignment], between: Between) {
+fn print_table(maps: &[(String, Arc<NormalMap>)], forms: &[Alignment], objective: Objective, between: Between) {
     println!("\n{between:?}: error of unaligned shading, then each form's error and its multiple of that");
     print!("{:<12} {:>9}", "map", "unaligned");
     for form in forms {
@@ -48,11 +52,11 @@ fn print_table(maps: &[(String, Arc<NormalMap>)], forms: &[Alignment], between: 
         let error = |lobes: &LobePyramid, blend| {
             points.iter().map(|points| points.error(lobes, blend)).sum::<f64>() / points.len() as f64
         };
-        let unaligned = error(&fitted(map, Alignment::None), Blend::Brdfs);
+        let unaligned = error(&fitted(map, Alignment::None, objective), Blend::Brdfs);
         sums[0] += unaligned;
         print!("{name:<12} {unaligned:>9.4}");
         for (form, sum) in forms.iter().zip(&mut sums[1..]) {
-            let value = error(&fitted(map, *form), Blend::Lobes);
+            let value = error(&fitted(map, *form, objective), Blend::Lobes);
             *sum += value;
             print!(" {value:>8.4} {:>6.2}x", value / unaligned);
         }
@@ -66,8 +70,8 @@ fn print_table(maps: &[(String, Arc<NormalMap>)], forms: &[Alignment], between: 
     println!();
 }
 
-fn fitted(map: &Arc<NormalMap>, align: Alignment) -> LobePyramid {
-    let settings = FitSettings { align, lobes: 6, ..FitSettings::default() };
+fn fitted(map: &Arc<NormalMap>, align: Alignment, objective: Objective) -> LobePyramid {
+    let settings = FitSettings { align, objective, lobes: 6, ..FitSettings::default() };
     let monitor = Monitor::new(expected_visits(map, &settings));
     fit(map, &settings, &monitor, &mut |_| {}).expect("nobody cancels")
 }
