@@ -210,8 +210,8 @@ impl Evaluation {
     /// Phi's parts at `at`; `None` where no sample has weight.
     pub fn new(samples: &impl Samples, at: Parameters) -> Option<Self> {
         let mut own = [Width::default(); MAX_LOBES];
-        for j in 0..at.count {
-            own[j] = Width::of_kappa(at.log_kappa[j].exp());
+        for (own, log_kappa) in own.iter_mut().zip(at.log_kappa).take(at.count) {
+            *own = Width::of_kappa(log_kappa.exp());
         }
         let data = data_terms(samples, &at, &own)?;
         let mut pairs = [[Pair::default(); PAIRS]; MATERIALS.len()];
