@@ -17,7 +17,7 @@ use super::em::TexelLobes;
 use super::samples::Samples;
 use super::shaded::{self, MATERIALS, ShadedLobes, ShadedSums};
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
-use crate::sphere::vmf::{self, KAPPA_MAX};
+use crate::sphere::vmf::{self, KAPPA_DELTA};
 
 /// What each material's squared distance counts, before it is divided by the fit's own energy there.
 const IMPORTANCE: [f64; MATERIALS.len()] = [16.0, 4.0, 1.0];
@@ -113,7 +113,7 @@ impl Parameters {
             own.slot[j] = slot;
             own.alpha[j] = lobes.alpha[slot];
             own.mu[j] = resultant.try_normalize().unwrap_or(DVec3::Z);
-            own.log_kappa[j] = vmf::concentration(1.0 - resultant.length()).clamp(KAPPA_MIN, KAPPA_MAX).ln();
+            own.log_kappa[j] = vmf::concentration(1.0 - resultant.length()).clamp(KAPPA_MIN, KAPPA_DELTA).ln();
             own.count += 1;
         }
         own
@@ -134,7 +134,7 @@ impl Parameters {
         for (j, step) in step.iter().enumerate().take(self.count) {
             moved.alpha[j] *= step.log_alpha.exp();
             moved.mu[j] = (self.mu[j] + step.tangent).try_normalize().unwrap_or(self.mu[j]);
-            moved.log_kappa[j] = (self.log_kappa[j] + step.log_kappa).clamp(KAPPA_MIN.ln(), KAPPA_MAX.ln());
+            moved.log_kappa[j] = (self.log_kappa[j] + step.log_kappa).clamp(KAPPA_MIN.ln(), KAPPA_DELTA.ln());
         }
         let total: f64 = moved.alpha[..self.count].iter().sum();
         moved.alpha[..self.count].iter_mut().for_each(|alpha| *alpha /= total);
