@@ -11,12 +11,11 @@ use std::time::Instant;
 use glam::DVec3;
 use ndf_inspector::brdf::{BlinnPhong, Brdf, ConvolutionRule};
 use ndf_inspector::filter::vmf::fit::{expected_visits, fit};
-use ndf_inspector::filter::vmf::{Alignment, FitSettings, LobePyramid, Monitor, Objective, appearance, effective_brdf};
+use ndf_inspector::filter::vmf::{Alignment, FitSettings, LobePyramid, Monitor, Objective, effective_brdf};
 use ndf_inspector::ndf::Ndf;
 use ndf_inspector::normal_map::pyramid::Texel;
 use ndf_inspector::normal_map::{MapOptions, NormalMap, procedural};
 use ndf_inspector::session::{MapRequest, opening};
-use ndf_inspector::sphere::Mixture;
 use rayon::prelude::*;
 
 const LOBES: usize = 6;
@@ -158,70 +157,6 @@ fn print_errors() {
     }
 }
 
-/// Relative L2 error midway between four texel centres at s = 64: blended lobes, and blended shading, against the same
-/// blend of the truth.
-fn midway(lobes: &LobePyramid, level: usize, directions: &[DVec3]) -> (f64, f64) {
-    let map = lobes.map.as_ref();
-    let (width, height) = map.level_sizes()[level];
-    let brdf = Brdf::BlinnPhong(BlinnPhong { shininess: 64.0 });
-    let rule = ConvolutionRule::default();
-    let (mut blended, mut shaded, mut count) = (0.0, 0.0, 0.0);
-    for Texel { x, y, .. } in texels(map, level) {
-        let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].map(|(x, y)| (x % width, y % height));
-        let stored = |slot: usize| {
-            corners.iter().fold([0.0_f32; 4], |sum, &(x, y)| {
-                let texel = lobes.level(level).expect("fitted").texel(x, y)[slot];
-                std::array::from_fn(|channel| sum[channel] + 0.25 * texel[channel])
-            })
-        };
-        let mixture = Mixture::from_stored(&(0..LOBES).map(stored).collect::<Vec<_>>());
-        let texels = corners.map(|(x, y)| Texel { level, x, y });
-        let (mut of_lobes, mut of_shading, mut square) = (0.0, 0.0, 0.0);
-        let ndfs = texels.map(|texel| Ndf::of_texel(map, texel));
-        let own = texels.map(|texel| lobes.mixture(texel).expect("fitted"));
-        for &omega in directions {
-            let exact = ndfs.iter().map(|ndf| 0.25 * ndf.effective_brdf(brdf, omega)).sum::<f64>();
-            let shading = own.iter().map(|m| 0.25 * effective_brdf(m, brdf, omega, rule)).sum::<f64>();
-            of_lobes += (effective_brdf(&mixture, brdf, omega, rule) - exact).powi(2);
-            of_shading += (shading - exact).powi(2);
-            square += exact * exact;
-        }
-        blended += (of_lobes / square).sqrt();
-        shaded += (of_shading / square).sqrt();
-        count += 1.0;
-    }
-    (blended / count, shaded / count)
-}
-
-/// Whether steps from aligned lobes pay, midway between texels where alignment shows.
-fn print_aligned() {
-    let directions = directions();
-    println!("midway between texels of levels 2 to 6, s = 64: blended lobes, and unaligned shading of the same lobes");
-    for (name, objective, steps) in [
-        ("smooth, top by em", Objective::Em, 0),
-        ("smooth, top by appearance", Objective::APPEARANCE, 0),
-        ("the same, 1 step", Objective::APPEARANCE, 1),
-        ("the same, 3 steps", Objective::APPEARANCE, 3),
-    ] {
-        let (mut blended, mut shaded, mut count) = (0.0, 0.0, 0.0);
-        for (_, map) in maps() {
-            let settings = FitSettings { align: Alignment::default(), ..settings(objective) };
-            let mut lobes = fitted(&map, &settings);
-            let monitor = Monitor::new(expected_visits(&map, &settings));
-            for level in 2..=6 {
-                let mut mixtures = lobes.level(level).expect("fitted").as_ref().clone();
-                appearance::refine_aligned(&map, &mut mixtures, steps, &monitor).expect("nobody cancels");
-                lobes.coarse[level - 1] = Some(Arc::new(mixtures));
-                let errors = midway(&lobes, level, &directions);
-                blended += errors.0;
-                shaded += errors.1;
-                count += 1.0;
-            }
-        }
-        println!("{name:26} {:.4} {:.4}", blended / count, shaded / count);
-    }
-}
-
 fn print_times() {
     let map = Arc::new(procedural::find("bricks").expect("bundled").make(512));
     let plain = FitSettings { iterations: 10, tolerance: f64::NEG_INFINITY, ..settings(Objective::Em) };
@@ -243,9 +178,8 @@ fn print_times() {
 }
 
 fn main() {
-    if std::env::args().any(|argument| argument == "--aligned") {
-        return print_aligned();
+    if !std::env::args().any(|argument| argument == "--times") {
+        print_errors();
     }
-    print_errors();
     print_times();
 }

@@ -54,12 +54,12 @@ pub fn refine(samples: &impl Samples, lobes: &mut TexelLobes, steps: usize, proc
             Some(there) if there.phi(&weights) < phi => {
                 phi = there.phi(&weights);
                 here = there;
+                here.at.store(lobes);
                 damping *= EASED;
             }
             _ => damping *= RAISED,
         }
     }
-    here.at.store(lobes);
 }
 
 /// The equations of a step: a symmetric matrix and the gradient, each without its lobes' factors alpha.

@@ -9,8 +9,6 @@
 //! `a = (s+1)/(s+2)`, the mean cosine of Blinn-Phong: two convolutions multiply first moments, and the result is taken
 //! for the lobe of that moment. So no directions need be sampled, and the gradient is a few sums over the normals.
 
-#![expect(clippy::needless_range_loop, reason = "several arrays are walked by one index")]
-
 use std::f64::consts::TAU;
 
 use glam::DVec3;
@@ -19,7 +17,7 @@ use super::em::TexelLobes;
 use super::samples::Samples;
 use super::shaded::{self, MATERIALS, ShadedLobes, ShadedSums};
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
-use crate::sphere::vmf::{self, KAPPA_MAX};
+use crate::sphere::vmf::{self, KAPPA_DELTA};
 
 /// What each material's squared distance counts, before it is divided by the fit's own energy there.
 const IMPORTANCE: [f64; MATERIALS.len()] = [16.0, 4.0, 1.0];
@@ -115,7 +113,7 @@ impl Parameters {
             own.slot[j] = slot;
             own.alpha[j] = lobes.alpha[slot];
             own.mu[j] = resultant.try_normalize().unwrap_or(DVec3::Z);
-            own.log_kappa[j] = vmf::concentration(1.0 - resultant.length()).clamp(KAPPA_MIN, KAPPA_MAX).ln();
+            own.log_kappa[j] = vmf::concentration(1.0 - resultant.length()).clamp(KAPPA_MIN, KAPPA_DELTA).ln();
             own.count += 1;
         }
         own
@@ -136,7 +134,7 @@ impl Parameters {
         for (j, step) in step.iter().enumerate().take(self.count) {
             moved.alpha[j] *= step.log_alpha.exp();
             moved.mu[j] = (self.mu[j] + step.tangent).try_normalize().unwrap_or(self.mu[j]);
-            moved.log_kappa[j] = (self.log_kappa[j] + step.log_kappa).clamp(KAPPA_MIN.ln(), KAPPA_MAX.ln());
+            moved.log_kappa[j] = (self.log_kappa[j] + step.log_kappa).clamp(KAPPA_MIN.ln(), KAPPA_DELTA.ln());
         }
         let total: f64 = moved.alpha[..self.count].iter().sum();
         moved.alpha[..self.count].iter_mut().for_each(|alpha| *alpha /= total);
@@ -212,8 +210,8 @@ impl Evaluation {
     /// Phi's parts at `at`; `None` where no sample has weight.
     pub fn new(samples: &impl Samples, at: Parameters) -> Option<Self> {
         let mut own = [Width::default(); MAX_LOBES];
-        for j in 0..at.count {
-            own[j] = Width::of_kappa(at.log_kappa[j].exp());
+        for (own, log_kappa) in own.iter_mut().zip(at.log_kappa).take(at.count) {
+            *own = Width::of_kappa(log_kappa.exp());
         }
         let data = data_terms(samples, &at, &own)?;
         let mut pairs = [[Pair::default(); PAIRS]; MATERIALS.len()];

@@ -126,7 +126,6 @@ fn halving_sum(mut lanes: [f32; LANES]) -> f32 {
 }
 
 #[cfg(test)]
-#[expect(clippy::needless_range_loop, reason = "several arrays are walked by one index")]
 mod tests {
     use super::*;
     use glam::{DVec3, Vec3};
@@ -150,11 +149,11 @@ mod tests {
         for j in 0..2 {
             for material in 0..MATERIALS.len() {
                 let (mut value, mut deviation) = (0.0, DVec3::ZERO);
-                for i in 0..n {
+                for (i, &w) in w.iter().enumerate() {
                     let d = (normal(i) - Vec3::from(lobes.mu[j])).as_dvec3();
                     let exponent = f64::from(lobes.neg_half_kappa[j][material]) * d.length_squared();
-                    value += f64::from(w[i]) * exponent.exp();
-                    deviation += f64::from(w[i]) * exponent.exp() * d;
+                    value += f64::from(w) * exponent.exp();
+                    deviation += f64::from(w) * exponent.exp() * d;
                 }
                 let found = sums.density[j][material];
                 assert!((found.value - value).abs() < 1e-6 * total);
