@@ -7,6 +7,8 @@
 
 #![expect(clippy::needless_range_loop, reason = "lanes of several arrays are walked by one index, which vectorises")]
 
+use std::cell::RefCell;
+
 use multiversion::multiversion;
 
 use crate::sphere::mixture::MAX_LOBES;
@@ -135,22 +137,33 @@ fn ln_of_positive(v: f32) -> f32 {
     m + (m * m * (m * p - 0.5) + exponent * std::f32::consts::LN_2)
 }
 
+/// Densities of a block under every lobe.
+type Density = [[f32; BLOCK]; MAX_LOBES];
+
+thread_local! {
+    /// One for each thread: clearing 16 KiB anew would cost as much as the E-step of a small footprint.
+    static DENSITY: RefCell<Box<Density>> = RefCell::new(Box::new([[0.0; BLOCK]; MAX_LOBES]));
+}
+
 /// Adds the E-step of `samples` under `lobes` to `sums`.
+pub fn accumulate(samples: &SampleSlices, lobes: &KernelLobes, sums: &mut Sums) {
+    DENSITY.with_borrow_mut(|density| accumulate_blocks(samples, lobes, density, sums));
+}
+
 #[multiversion(targets(
     "x86_64+avx+avx2+bmi1+bmi2+fma+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx+avx2+bmi1+bmi2+fma",
     "x86_64+sse4.1"
 ))]
-pub fn accumulate(samples: &SampleSlices, lobes: &KernelLobes, sums: &mut Sums) {
-    let mut density = [[0.0_f32; BLOCK]; MAX_LOBES];
+fn accumulate_blocks(samples: &SampleSlices, lobes: &KernelLobes, density: &mut Density, sums: &mut Sums) {
     let mut start = 0;
     while start < samples.x.len() {
         let end = (start + BLOCK).min(samples.x.len());
         let block = samples.range(start, end);
         if block.spread.is_empty() {
-            accumulate_block::<false>(block, lobes, &mut density, sums);
+            accumulate_block::<false>(block, lobes, density, sums);
         } else {
-            accumulate_block::<true>(block, lobes, &mut density, sums);
+            accumulate_block::<true>(block, lobes, density, sums);
         }
         start = end;
     }
@@ -173,7 +186,7 @@ fn lanes_mut(row: &mut [f32; BLOCK], group: usize) -> &mut [f32] {
 fn accumulate_block<const SPREAD: bool>(
     samples: SampleSlices<'_>,
     lobes: &KernelLobes,
-    density: &mut [[f32; BLOCK]; MAX_LOBES],
+    density: &mut Density,
     sums: &mut Sums,
 ) {
     let groups = samples.x.len() / LANES;
