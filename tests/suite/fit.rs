@@ -152,17 +152,19 @@ fn every_alignment_survives_odd_sizes_invalid_texels_and_clamped_edges() {
     }
 }
 
+/// Normals by index that have broken fits: degenerate footprints, the last without anything valid.
+pub const HOSTILE: [fn(usize) -> Vec3; 6] = [
+    |_| Vec3::new(0.2, 0.1, 1.0),                                 // all equal
+    |i| Vec3::new(if i % 2 == 0 { 1.0 } else { -1.0 }, 0.0, 0.0), // two opposite
+    |i| Vec3::new([0.5, -0.5, 0.0][i % 3], 0.2, 1.0),             // fewer distinct than lobes
+    |i| Vec3::new(noise(i) - 0.5, noise(i + 77) - 0.5, -1.0),     // below the horizon
+    |i| if i == 5 { Vec3::X } else { Vec3::Z },                   // one outlier
+    |_| Vec3::ZERO,                                               // nothing valid
+];
+
 #[test]
 fn degenerate_footprints_give_finite_lobes() {
-    let cases: [fn(usize) -> Vec3; 6] = [
-        |_| Vec3::new(0.2, 0.1, 1.0),                                 // all equal
-        |i| Vec3::new(if i % 2 == 0 { 1.0 } else { -1.0 }, 0.0, 0.0), // two opposite
-        |i| Vec3::new([0.5, -0.5, 0.0][i % 3], 0.2, 1.0),             // fewer distinct than lobes
-        |i| Vec3::new(noise(i) - 0.5, noise(i + 77) - 0.5, -1.0),     // below the horizon
-        |i| if i == 5 { Vec3::X } else { Vec3::Z },                   // one outlier
-        |_| Vec3::ZERO,                                               // nothing valid
-    ];
-    for (number, normal) in cases.into_iter().enumerate() {
+    for (number, normal) in HOSTILE.into_iter().enumerate() {
         let map = map_of(16, 16, Addressing::Wrap, |x, y| normal(y * 16 + x));
         for align in [Alignment::None, Alignment::default(), Alignment::Paper { c: 2.0 }, Alignment::Map { c: 2.0 }] {
             let lobes = fitted(&map, &FitSettings { align, ..FitSettings::default() });
