@@ -9,7 +9,8 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::kernel::{LANES, SampleSlices};
+use super::kernel::SampleSlices;
+use super::lanes::LANES;
 use super::samples::{Partial, Samples};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Footprint;

@@ -1,20 +1,19 @@
 //! The E-step over a block of normals: the only loop that matters for a fit's speed.
 //!
-//! Structure of arrays, f32, one version per instruction set chosen at run time. The arithmetic is written without
-//! fused multiply-adds, so every version and every processor gives the same bits. Sums run in f32 within a block of
-//! at most [`BLOCK`] samples and in f64 across blocks: a plain f32 mean of 65 536 unit normals would come out
-//! longer than 1.
+//! Structure of arrays, f32, one version per instruction set chosen at run time ([`super::lanes`]). Sums run in f32
+//! within a block of at most [`BLOCK`] samples and in f64 across blocks: a plain f32 mean of 65 536 unit normals would
+//! come out longer than 1.
 
 #![expect(clippy::needless_range_loop, reason = "lanes of several arrays are walked by one index, which vectorises")]
 
 use std::cell::RefCell;
+use std::f32::consts::{LN_2, LOG2_E};
 
 use multiversion::multiversion;
+use multiversion::target::target_cfg_f;
 
+use super::lanes::{LANES, Lanes, exp2_of_negative, halving_sum, lanes, ln_of_positive, mul_add};
 use crate::sphere::mixture::MAX_LOBES;
-
-/// Samples are padded to a multiple of this with weight 0.
-pub const LANES: usize = 16;
 
 /// Samples per block; a block's densities of all lobes stay in the first-level cache.
 pub const BLOCK: usize = 256;
@@ -98,51 +97,12 @@ impl<'a> SampleSlices<'a> {
     }
 }
 
-/// `exp(v)` for `v <= 0`, relative error 2e-7, 0 below -87: the reduction and polynomial of Cephes (Moshier 1992),
-/// written without branches so that it vectorises.
-#[inline(always)]
-pub(super) fn exp_of_negative(v: f32) -> f32 {
-    const ROUND: f32 = 12_582_912.0; // 1.5 * 2^23: adding it rounds to an integer in the low mantissa bits.
-    let v = v.max(-87.0);
-    let shifted = v * std::f32::consts::LOG2_E + ROUND;
-    let n = shifted - ROUND;
-    let r = (v - n * 0.693_359_4) + n * 2.121_944_4e-4;
-    let p = 1.987_569_1e-4;
-    let p = p * r + 1.398_199_9e-3;
-    let p = p * r + 8.333_452e-3;
-    let p = p * r + 4.166_579_6e-2;
-    let p = p * r + 1.666_666_5e-1;
-    let p = p * r + 5.000_000_3e-1;
-    let p = p * r * r + r + 1.0;
-    let exponent = shifted.to_bits().wrapping_shl(23);
-    f32::from_bits(p.to_bits().wrapping_add(exponent))
-}
-
-/// `ln(v)` for normal positive `v`, relative error 1e-6: the polynomial of Cephes (Moshier 1992) without branches.
-#[inline(always)]
-fn ln_of_positive(v: f32) -> f32 {
-    // Mantissa in 1/sqrt(2) .. sqrt(2).
-    let bits = v.to_bits().wrapping_sub(0x3f35_04f3);
-    let exponent = (bits as i32 >> 23) as f32;
-    let m = f32::from_bits((bits & 0x007f_ffff).wrapping_add(0x3f35_04f3)) - 1.0;
-    let p = 7.037_683_6e-2;
-    let p = p * m - 1.151_461e-1;
-    let p = p * m + 1.167_699_9e-1;
-    let p = p * m - 1.242_014_1e-1;
-    let p = p * m + 1.424_932_3e-1;
-    let p = p * m - 1.666_805_8e-1;
-    let p = p * m + 2.000_071_5e-1;
-    let p = p * m - 2.499_999_4e-1;
-    let p = p * m + 3.333_333e-1;
-    m + (m * m * (m * p - 0.5) + exponent * std::f32::consts::LN_2)
-}
-
-/// Densities of a block under every lobe.
-type Density = [[f32; BLOCK]; MAX_LOBES];
+/// Densities of a block under every lobe in use, group by group and lobe by lobe.
+type Density = [Lanes; BLOCK / LANES * MAX_LOBES];
 
 thread_local! {
     /// One for each thread: clearing 16 KiB anew would cost as much as the E-step of a small footprint.
-    static DENSITY: RefCell<Box<Density>> = RefCell::new(Box::new([[0.0; BLOCK]; MAX_LOBES]));
+    static DENSITY: RefCell<Box<Density>> = RefCell::new(Box::new([Lanes::splat(0.0); BLOCK / LANES * MAX_LOBES]));
 }
 
 /// Adds the E-step of `samples` under `lobes` to `sums`.
@@ -156,119 +116,103 @@ pub fn accumulate(samples: &SampleSlices, lobes: &KernelLobes, sums: &mut Sums) 
     "x86_64+sse4.1"
 ))]
 fn accumulate_blocks(samples: &SampleSlices, lobes: &KernelLobes, density: &mut Density, sums: &mut Sums) {
-    let mut start = 0;
-    while start < samples.x.len() {
-        let end = (start + BLOCK).min(samples.x.len());
-        let block = samples.range(start, end);
+    const FMA: bool = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
+    for start in (0..samples.x.len()).step_by(BLOCK) {
+        let block = samples.range(start, (start + BLOCK).min(samples.x.len()));
         if block.spread.is_empty() {
-            accumulate_block::<false>(block, lobes, density, sums);
+            accumulate_block::<FMA, false>(&block, lobes, density, sums);
         } else {
-            accumulate_block::<true>(block, lobes, density, sums);
+            accumulate_block::<FMA, true>(&block, lobes, density, sums);
         }
-        start = end;
     }
 }
 
+/// Densities first, then each lobe's sums.
 #[inline(always)]
-pub(super) fn lanes(slice: &[f32], group: usize) -> &[f32; LANES] {
-    match slice[group * LANES..].first_chunk() {
-        Some(lanes) => lanes,
-        None => &[0.0; LANES],
-    }
-}
-
-#[inline(always)]
-fn lanes_mut(row: &mut [f32; BLOCK], group: usize) -> &mut [f32] {
-    &mut row[group * LANES..(group + 1) * LANES]
-}
-
-#[inline(always)]
-fn accumulate_block<const SPREAD: bool>(
-    samples: SampleSlices<'_>,
+fn accumulate_block<const FMA: bool, const SPREAD: bool>(
+    samples: &SampleSlices<'_>,
     lobes: &KernelLobes,
     density: &mut Density,
     sums: &mut Sums,
 ) {
-    let groups = samples.x.len() / LANES;
     let count = lobes.count.min(MAX_LOBES);
-    let mut scaled = [[0.0_f32; LANES]; BLOCK / LANES];
+    let groups = (samples.x.len() / LANES).min(BLOCK / LANES);
+    let mut scaled = [Lanes::splat(0.0); BLOCK / LANES];
     let mut log_likelihood = [0.0_f32; LANES];
     let mut total = [0.0_f32; LANES];
     for group in 0..groups {
-        let (x, y, z, w) =
-            (lanes(samples.x, group), lanes(samples.y, group), lanes(samples.z, group), lanes(samples.w, group));
-        let spread = if SPREAD { lanes(samples.spread, group) } else { &[0.0; LANES] };
-        let mut max = [LOG_ZERO; LANES];
-        for j in 0..count {
-            let ([mx, my, mz], k, l) = (lobes.mu[j], lobes.neg_half_kappa[j], lobes.log_scale[j]);
-            let row = lanes_mut(&mut density[j], group);
-            for i in 0..LANES {
-                let (dx, dy, dz) = (x[i] - mx, y[i] - my, z[i] - mz);
-                let chord = dx * dx + dy * dy + dz * dz;
-                let log_density = l + k * if SPREAD { chord + spread[i] } else { chord };
-                row[i] = log_density;
-                max[i] = if log_density > max[i] { log_density } else { max[i] };
-            }
-        }
-        let mut sum = [0.0_f32; LANES];
-        for row in density.iter_mut().take(count) {
-            let row = lanes_mut(row, group);
-            for i in 0..LANES {
-                let value = exp_of_negative(row[i] - max[i]);
-                row[i] = value;
-                sum[i] += value;
-            }
-        }
+        let w = lanes(samples.w, group);
+        let rows = &mut density[group * count..(group + 1) * count];
+        let (max, sum) = densities::<FMA, SPREAD>(samples, group, lobes, rows);
         for i in 0..LANES {
-            scaled[group][i] = w[i] / sum[i];
-            log_likelihood[i] += w[i] * (max[i] + ln_of_positive(sum[i]));
+            scaled[group].0[i] = w[i] / sum[i];
+            let log = mul_add::<FMA>(max[i], LN_2, ln_of_positive::<FMA>(sum[i]));
+            log_likelihood[i] = mul_add::<FMA>(w[i], log, log_likelihood[i]);
             total[i] += w[i];
         }
     }
-    sums.log_likelihood += widened_sum(&log_likelihood);
-    sums.total += widened_sum(&total);
+    sums.log_likelihood += f64::from(halving_sum(log_likelihood));
+    sums.total += f64::from(halving_sum(total));
     for j in 0..count {
-        let mut acc = [[0.0_f32; LANES]; 4];
         let [mx, my, mz] = lobes.mu[j];
+        let mut acc = [[0.0_f32; LANES]; 4];
         for group in 0..groups {
             let (x, y, z) = (lanes(samples.x, group), lanes(samples.y, group), lanes(samples.z, group));
-            let row = lanes_mut(&mut density[j], group);
+            let (row, scaled) = (&density[group * count + j].0, &scaled[group].0);
             for i in 0..LANES {
-                let weight = row[i] * scaled[group][i];
+                let weight = row[i] * scaled[i];
                 acc[0][i] += weight;
-                acc[1][i] += weight * (x[i] - mx);
-                acc[2][i] += weight * (y[i] - my);
-                acc[3][i] += weight * (z[i] - mz);
+                acc[1][i] = mul_add::<FMA>(weight, x[i] - mx, acc[1][i]);
+                acc[2][i] = mul_add::<FMA>(weight, y[i] - my, acc[2][i]);
+                acc[3][i] = mul_add::<FMA>(weight, z[i] - mz, acc[3][i]);
             }
         }
-        sums.weight[j] += widened_sum(&acc[0]);
-        for axis in 0..3 {
-            sums.deviation[j][axis] += widened_sum(&acc[axis + 1]);
+        let [weight, x, y, z] = acc.map(halving_sum);
+        sums.weight[j] += f64::from(weight);
+        for (deviation, part) in sums.deviation[j].iter_mut().zip([x, y, z]) {
+            *deviation += f64::from(part);
         }
     }
 }
 
+/// Every lobe's density over the largest one, for one group of samples: a row a lobe. Returns the largest one's
+/// logarithm to base 2, and the sum of the rows.
 #[inline(always)]
-fn widened_sum(lanes: &[f32; LANES]) -> f64 {
-    lanes.iter().map(|&v| f64::from(v)).sum()
+fn densities<const FMA: bool, const SPREAD: bool>(
+    samples: &SampleSlices<'_>,
+    group: usize,
+    lobes: &KernelLobes,
+    rows: &mut [Lanes],
+) -> ([f32; LANES], [f32; LANES]) {
+    let (x, y, z) = (lanes(samples.x, group), lanes(samples.y, group), lanes(samples.z, group));
+    let spread = if SPREAD { lanes(samples.spread, group) } else { &[0.0; LANES] };
+    let mut max = [LOG_ZERO; LANES];
+    for (j, row) in rows.iter_mut().enumerate() {
+        let [mx, my, mz] = lobes.mu[j];
+        let (k, l) = (lobes.neg_half_kappa[j] * LOG2_E, lobes.log_scale[j] * LOG2_E);
+        for i in 0..LANES {
+            let (dx, dy, dz) = (x[i] - mx, y[i] - my, z[i] - mz);
+            let flat = if SPREAD { mul_add::<FMA>(dx, dx, spread[i]) } else { dx * dx };
+            let chord = mul_add::<FMA>(dz, dz, mul_add::<FMA>(dy, dy, flat));
+            let log_density = mul_add::<FMA>(k, chord, l);
+            row.0[i] = log_density;
+            max[i] = if log_density > max[i] { log_density } else { max[i] };
+        }
+    }
+    let mut sum = [0.0_f32; LANES];
+    for row in rows {
+        for i in 0..LANES {
+            let value = exp2_of_negative::<FMA>(row.0[i] - max[i]);
+            row.0[i] = value;
+            sum[i] += value;
+        }
+    }
+    (max, sum)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn exp_and_ln_are_right_to_a_few_units_in_the_last_place() {
-        for i in 0..8700 {
-            let v = -f64::from(i) / 100.0;
-            let exact = f64::from(v as f32).exp();
-            assert!((f64::from(exp_of_negative(v as f32)) / exact - 1.0).abs() < 3e-7, "exp {v}");
-        }
-        for i in 1..2000 {
-            let v = f64::from(i) / 100.0;
-            assert!((f64::from(ln_of_positive(v as f32)) - f64::from(v as f32).ln()).abs() < 1e-6, "ln {v}");
-        }
-    }
 
     #[test]
     fn the_block_loop_equals_the_plain_sums_in_f64() {

@@ -11,6 +11,7 @@ pub mod fit;
 pub mod fold;
 pub mod gauss_newton;
 pub mod kernel;
+pub mod lanes;
 pub mod likelihood;
 pub mod merge;
 pub mod monitor;

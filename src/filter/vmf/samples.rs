@@ -8,7 +8,8 @@ use std::ops::AddAssign;
 
 use rayon::prelude::*;
 
-use super::kernel::{self, KernelLobes, LANES, SampleSlices, Sums};
+use super::kernel::{self, KernelLobes, SampleSlices, Sums};
+use super::lanes::LANES;
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Footprint;
 
@@ -27,7 +28,8 @@ pub trait Samples: Sync {
     fn sum<S: Partial>(&self, visit: impl Fn(&SampleSlices, &mut S) + Sync) -> S;
 }
 
-/// Room for one chunk.
+/// Room for one chunk, placed so that no group of lanes straddles two cache lines.
+#[repr(align(64))]
 struct Scratch {
     x: [f32; CHUNK],
     y: [f32; CHUNK],

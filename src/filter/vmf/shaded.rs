@@ -1,12 +1,16 @@
 //! The data's part of the squared distance between shaded mixtures: sums over the normals of every lobe's density
 //! under the blur of every material, in one pass.
 //!
-//! Structure of arrays, f32, one version per instruction set chosen at run time, as the E-step in [`super::kernel`];
-//! without fused multiply-adds, so that every processor gives the same bits. The exponent is `-K |n - mu|^2 / 2`.
+//! Structure of arrays, f32, one version per instruction set chosen at run time, as the E-step in [`super::kernel`].
+//! The exponent is `-K |n - mu|^2 / 2`.
+
+use std::f32::consts::LOG2_E;
 
 use multiversion::multiversion;
+use multiversion::target::target_cfg_f;
 
-use super::kernel::{LANES, SampleSlices, exp_of_negative, lanes};
+use super::kernel::SampleSlices;
+use super::lanes::{LANES, exp2_of_negative, halving_sum, lanes, mul_add};
 use crate::sphere::mixture::MAX_LOBES;
 
 /// Exponents of the materials whose shaded look is compared: broad, usual and sharp.
@@ -63,33 +67,32 @@ impl std::ops::AddAssign<&Self> for ShadedSums {
     "x86_64+sse4.1"
 ))]
 pub fn accumulate(samples: &SampleSlices, lobes: &ShadedLobes, sums: &mut ShadedSums) {
-    let mut start = 0;
-    while start < samples.x.len() {
-        let end = (start + GROUPS * LANES).min(samples.x.len());
-        let block = samples.range(start, end);
+    const FMA: bool = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
+    for start in (0..samples.x.len()).step_by(GROUPS * LANES) {
+        let block = samples.range(start, (start + GROUPS * LANES).min(samples.x.len()));
         sums.total += block.w.iter().map(|&w| f64::from(w)).sum::<f64>();
         for j in 0..lobes.count.min(MAX_LOBES) {
             for material in 0..MATERIALS.len() {
                 let sum = &mut sums.density[j][material];
                 let neg_half_kappa = lobes.neg_half_kappa[j][material];
                 if block.spread.is_empty() {
-                    add_block::<false>(&block, lobes.mu[j], neg_half_kappa, sum);
+                    add_block::<FMA, false>(&block, lobes.mu[j], neg_half_kappa, sum);
                 } else {
-                    add_block::<true>(&block, lobes.mu[j], neg_half_kappa, sum);
+                    add_block::<FMA, true>(&block, lobes.mu[j], neg_half_kappa, sum);
                 }
             }
         }
-        start = end;
     }
 }
 
 #[inline(always)]
-fn add_block<const SPREAD: bool>(
+fn add_block<const FMA: bool, const SPREAD: bool>(
     samples: &SampleSlices,
     [mx, my, mz]: [f32; 3],
     neg_half_kappa: f32,
     sum: &mut DensitySum,
 ) {
+    let k = neg_half_kappa * LOG2_E;
     let mut acc = [[0.0_f32; LANES]; 4];
     for group in 0..samples.x.len() / LANES {
         let (x, y, z, w) =
@@ -97,12 +100,13 @@ fn add_block<const SPREAD: bool>(
         let spread = if SPREAD { lanes(samples.spread, group) } else { &[0.0; LANES] };
         for i in 0..LANES {
             let (dx, dy, dz) = (x[i] - mx, y[i] - my, z[i] - mz);
-            let chord = dx * dx + dy * dy + dz * dz + spread[i];
-            let value = w[i] * exp_of_negative(neg_half_kappa * chord);
+            let flat = if SPREAD { mul_add::<FMA>(dx, dx, spread[i]) } else { dx * dx };
+            let chord = mul_add::<FMA>(dz, dz, mul_add::<FMA>(dy, dy, flat));
+            let value = w[i] * exp2_of_negative::<FMA>(k * chord);
             acc[0][i] += value;
-            acc[1][i] += value * dx;
-            acc[2][i] += value * dy;
-            acc[3][i] += value * dz;
+            acc[1][i] = mul_add::<FMA>(value, dx, acc[1][i]);
+            acc[2][i] = mul_add::<FMA>(value, dy, acc[2][i]);
+            acc[3][i] = mul_add::<FMA>(value, dz, acc[3][i]);
         }
     }
     let [value, x, y, z] = acc.map(halving_sum);
@@ -110,19 +114,6 @@ fn add_block<const SPREAD: bool>(
     for (total, part) in sum.deviation.iter_mut().zip([x, y, z]) {
         *total += f64::from(part);
     }
-}
-
-/// The sum of all lanes, halves onto halves: short dependency chains and little rounding.
-#[inline(always)]
-fn halving_sum(mut lanes: [f32; LANES]) -> f32 {
-    let mut half = LANES / 2;
-    while half > 0 {
-        for i in 0..half {
-            lanes[i] += lanes[i + half];
-        }
-        half /= 2;
-    }
-    lanes[0]
 }
 
 #[cfg(test)]
