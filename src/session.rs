@@ -7,6 +7,7 @@
 
 pub mod file;
 pub mod fitting;
+pub mod kept;
 pub mod opening;
 pub mod recent;
 
@@ -164,7 +165,7 @@ impl Session {
 
     /// Changes the fit's settings; a change restarts the fit, and the lobes at hand stand in as a preview.
     pub fn set_fit_settings(&mut self, settings: FitSettings) {
-        if settings != *self.fitting.settings() {
+        if settings != *self.fitting.settings() && !self.fitting.recall(&settings) {
             self.fitting.restart(settings);
             self.start_fit();
         }
@@ -172,6 +173,7 @@ impl Session {
 
     /// Starts the fit anew with the settings there are, for example after it was cancelled.
     pub fn refit(&mut self) {
+        self.fitting.forget();
         self.fitting.restart(*self.fitting.settings());
         self.start_fit();
     }
@@ -200,6 +202,7 @@ impl Session {
     }
 
     fn start_fit(&mut self) {
+        self.fitting.want(self.selected);
         if let Err(message) = self.fitting.start(&self.wake) {
             self.report(Message::error(message));
         }
@@ -290,6 +293,7 @@ impl Session {
             self.adopt(opened, mip);
         }
         changed |= self.fitting.poll(&mut messages);
+        self.fitting.measure(&self.wake);
         for text in messages {
             self.report(Message::error(text));
         }

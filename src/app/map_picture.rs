@@ -6,6 +6,7 @@ use glam::Vec3;
 use super::view_state::{MapShading, MapView};
 use crate::color::{LOBE_COLORS, heat, linear_from_srgb, srgb8_from_linear};
 use crate::filter::vmf::Fold;
+use crate::filter::vmf::selection::used;
 use crate::normal_map::pyramid::Texel;
 use crate::session::Session;
 
@@ -97,7 +98,8 @@ type ViewKey = (MapProjection, Rect, [usize; 2]);
 
 impl PictureKey {
     fn new(session: &Session, shading: MapShading, level: usize) -> Self {
-        let lobes = if shading == MapShading::Lobes { session.fitting().revision() } else { 0 };
+        let shows_lobes = matches!(shading, MapShading::Lobes | MapShading::Count);
+        let lobes = if shows_lobes { session.fitting().revision() } else { 0 };
         Self { map_revision: session.map_revision(), lobes_revision: lobes, shading, level }
     }
 }
@@ -180,6 +182,9 @@ pub fn thumbnail(session: &Session, shading: MapShading, level: usize, side: usi
     ColorImage::new(px, pixels)
 }
 
+/// The colour of a texel that is not fitted.
+const MISSING: [u8; 3] = [24, 26, 31];
+
 /// Colours the texels of one level.
 struct TexelPainter<'a> {
     session: &'a Session,
@@ -201,15 +206,26 @@ impl<'a> TexelPainter<'a> {
             MapShading::Normal => normal_color(mean),
             MapShading::Length => heat(mean.length()),
             MapShading::Lobes => self.lobe_color(x, y),
+            MapShading::Count => self.count_color(x, y),
         };
         Color32::from_rgb(r, g, b)
+    }
+
+    /// The number of lobes in use beside the most of any texel.
+    fn count_color(&self, x: usize, y: usize) -> [u8; 3] {
+        let lobes = self.session.lobes();
+        match lobes.level(self.level) {
+            Some(level) => heat(used(level.texel(x, y)) as f32 / lobes.lobes() as f32),
+            None if self.level == 0 => heat(1.0 / lobes.lobes() as f32),
+            None => MISSING,
+        }
     }
 
     /// The lobes' colours mixed by weight, in linear light.
     fn lobe_color(&self, x: usize, y: usize) -> [u8; 3] {
         let texel = Texel { level: self.level, x, y };
         let Some(mixture) = super::texel_report::folded_mixture(self.session.lobes(), self.fold, texel) else {
-            return [24, 26, 31];
+            return MISSING;
         };
         let linear = |slot: usize| {
             Vec3::from(LOBE_COLORS[slot % LOBE_COLORS.len()].map(|code| linear_from_srgb(f32::from(code) / 255.0)))

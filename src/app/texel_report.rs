@@ -141,7 +141,8 @@ impl TexelReport {
             return;
         }
         self.fit_key = Some(key);
-        let mixture = folded_mixture(session.lobes(), session.fitting().fold(), data.texel);
+        let first = session.fitting().first(data.texel).map(Mixture::from_stored);
+        let mixture = first.or_else(|| folded_mixture(session.lobes(), session.fitting().fold(), data.texel));
         self.fit = mixture.map(|mixture| TexelFit {
             mean_log_likelihood: mean_log_likelihood(session.map(), &data, &mixture),
             brdf_error: brdf_error(&data.picture, &mixture, material.shininess, material.convolution),

@@ -34,12 +34,14 @@ pub enum MapShading {
     Length,
     /// The lobes' colours, mixed by their weights.
     Lobes,
+    /// How many lobes a texel uses, from none to the most there are.
+    Count,
 }
 
 impl MapShading {
     /// Every shading with its name, in the order they are offered.
-    pub const ALL: [(Self, &'static str); 3] =
-        [(Self::Normal, "Normal"), (Self::Length, "Length"), (Self::Lobes, "Lobes")];
+    pub const ALL: [(Self, &'static str); 4] =
+        [(Self::Normal, "Normal"), (Self::Length, "Length"), (Self::Lobes, "Lobes"), (Self::Count, "J")];
 }
 
 /// Where the map view looks.

@@ -62,6 +62,7 @@ struct MapReport {
 #[derive(Debug, Serialize)]
 struct SettingsReport {
     lobes: usize,
+    selection: String,
     objective: String,
     align: String,
     iterations: usize,
@@ -79,6 +80,9 @@ struct LevelReport {
     mean_iterations: f64,
     seconds: f64,
     log_likelihood_lost: f64,
+    mean_lobes: f64,
+    /// Texels that use no lobe, one, two and so on.
+    lobe_counts: Vec<usize>,
     #[serde(flatten)]
     coherence: Option<Coherence>,
 }
@@ -145,6 +149,8 @@ impl FitCommand {
                 mean_iterations: stats.mean_iterations,
                 seconds: stats.seconds,
                 log_likelihood_lost: stats.log_likelihood_lost,
+                mean_lobes: stats.mean_lobes,
+                lobe_counts: session.lobes().level(level).map(|level| level.lobe_counts().to_vec()).unwrap_or_default(),
                 coherence: stats.coherence,
             })
         };
@@ -160,6 +166,7 @@ impl FitCommand {
             },
             settings: SettingsReport {
                 lobes: settings.lobes,
+                selection: settings.selection.to_string(),
                 objective: settings.objective.to_string(),
                 align: settings.align.to_string(),
                 iterations: settings.iterations,
@@ -228,17 +235,17 @@ impl Report {
         for warning in &self.map.warnings {
             text += &format!("warning: {warning}\n");
         }
-        text +=
-            "\nlevel         size  log-likelihood     lost  iterations  seconds  coherence  interpolated  trilinear\n";
+        text += "\nlevel         size  log-likelihood     lost  lobes  iterations  seconds  coherence  interpolated  trilinear\n";
         for level in &self.levels {
             let size = format!("{} x {}", level.width, level.height);
             let coherence = level.coherence.unwrap_or_default();
             text += &format!(
-                "{:>5} {:>12}  {:>14.4}  {:>7.4}  {:>10.1}  {:>7.3}  {:>8.2}°  {:>12.4}  {:>9}\n",
+                "{:>5} {:>12}  {:>14.4}  {:>7.4}  {:>5.2}  {:>10.1}  {:>7.3}  {:>8.2}°  {:>12.4}  {:>9}\n",
                 level.level,
                 size,
                 level.mean_log_likelihood,
                 level.log_likelihood_lost,
+                level.mean_lobes,
                 level.mean_iterations,
                 level.seconds,
                 coherence.coherence_deg,

@@ -8,7 +8,7 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::filter::vmf::{Alignment, FitSettings, Objective};
+use crate::filter::vmf::{Alignment, FitSettings, LobeCount, Objective};
 use crate::image_io::write_bytes_atomically;
 use crate::normal_map::{Addressing, GreenChannel, MapOptions};
 use crate::session::{MapRequest, OpenedMap, Session, opening};
@@ -90,9 +90,10 @@ impl MapArguments {
 /// How a map is fitted.
 #[derive(Args, Clone, Debug, Default)]
 pub struct FitArguments {
-    /// Lobes per texel, 1 to 16.
-    #[arg(short = 'J', long = "lobes", value_name = "N", value_parser = clap::value_parser!(u8).range(1..=16))]
-    pub lobes: Option<u8>,
+    /// Lobes per texel: 1 to 16; auto[:PERCENT], as few as keep the BRDF's error under 2 or PERCENT percent; or
+    /// bic[:MAX], as the Bayesian information criterion has it.
+    #[arg(short = 'J', long = "lobes", value_name = "N")]
+    pub lobes: Option<LobeCount>,
     /// What each texel's fit strives for: appearance, appearance:STEPS, likelihood or em.
     #[arg(long)]
     pub objective: Option<Objective>,
@@ -126,7 +127,8 @@ impl FitArguments {
     /// The settings, over what `base` says.
     pub fn over(&self, base: FitSettings) -> FitSettings {
         FitSettings {
-            lobes: self.lobes.map_or(base.lobes, usize::from),
+            lobes: self.lobes.map_or(base.lobes, |count| count.most),
+            selection: self.lobes.map_or(base.selection, |count| count.selection),
             objective: self.objective.unwrap_or(base.objective),
             align: self.align.unwrap_or(base.align),
             iterations: self.iterations.unwrap_or(base.iterations),

@@ -5,11 +5,14 @@ use std::time::Duration;
 
 use rayon::ThreadPool;
 
+use super::kept::{self, KeptFits};
 use crate::export::lobes_exr::FittedLobes;
-use crate::filter::vmf::fit::{self, FitEvent, FitSettings, LevelStats};
-use crate::filter::vmf::{Cancelled, Fold, LobePyramid, Monitor, coherence, fold};
-use crate::jobs::{self, Ended, Job, JobEvent, Wake};
+use crate::filter::vmf::fit::{self, FitEvent, FitSettings, LevelStats, OwnLevels, Stage, Start};
+use crate::filter::vmf::{Alignment, Cancelled, Coherence, Fold, LobePyramid, MixtureLevel, Monitor, coherence, fold};
+use crate::jobs::{self, Ended, Job, JobEvent, Outbox, Wake};
 use crate::normal_map::NormalMap;
+use crate::normal_map::pyramid::Texel;
+use crate::sphere::StoredLobe;
 
 /// How good a level's lobes are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,6 +71,14 @@ pub struct Fitting {
     pool: Option<Arc<ThreadPool>>,
     running: Option<Running>,
     previews: bool,
+    /// Levels of the unaligned fit of the settings in force, whatever the alignment.
+    own: OwnLevels,
+    kept: KeptFits,
+    /// The texel to be fitted first, and its own lobes once they are there.
+    wanted: Option<Texel>,
+    first: Option<(Texel, Vec<StoredLobe>)>,
+    /// What alignment is worth, measured in the background once a fit is done.
+    measuring: Option<Job<(usize, Coherence)>>,
 }
 
 impl Fitting {
@@ -86,6 +97,11 @@ impl Fitting {
             pool: None,
             running: None,
             previews: true,
+            own: OwnLevels::default(),
+            kept: KeptFits::default(),
+            wanted: None,
+            first: None,
+            measuring: None,
         }
     }
 
@@ -146,9 +162,44 @@ impl Fitting {
         self.pool.as_ref().map_or(0, |pool| pool.current_num_threads())
     }
 
+    /// Finished fits that are kept, and the memory that they and the unaligned levels hold, bytes.
+    pub fn kept(&self) -> (usize, usize) {
+        (self.kept.len(), self.kept.bytes() + self.own_bytes())
+    }
+
+    fn own_bytes(&self) -> usize {
+        self.own.iter().map(|(level, _)| kept::level_bytes(level)).sum()
+    }
+
+    /// Forgets what is kept of the settings in force, so that the next start fits everything anew.
+    pub fn forget(&mut self) {
+        self.own = OwnLevels::default();
+        self.kept.forget(&self.settings);
+    }
+
+    /// Takes the kept fit of these settings, if there is one; the running fit then ends.
+    pub fn recall(&mut self, settings: &FitSettings) -> bool {
+        let Some(fit) = self.kept.recall(settings) else { return false };
+        (self.running, self.first, self.measuring) = (None, None, None);
+        self.follow(settings);
+        self.fold = Fold::default();
+        self.take_fit(fit);
+        self.revision += 1;
+        true
+    }
+
+    /// Drops the unaligned levels where they are of other settings than these.
+    fn follow(&mut self, settings: &FitSettings) {
+        let unaligned = |settings: &FitSettings| FitSettings { align: Alignment::None, ..*settings };
+        if unaligned(settings) != unaligned(&self.settings) {
+            self.own = OwnLevels::default();
+        }
+    }
+
     /// Takes other settings: the running fit ends, and the lobes at hand become a preview.
     pub fn restart(&mut self, settings: FitSettings) {
-        self.running = None;
+        (self.running, self.first, self.measuring) = (None, None, None);
+        self.follow(&settings);
         if settings.lobes != self.settings.lobes {
             self.fold = fold::fewer_lobes(&self.lobes, settings.lobes);
         }
@@ -168,6 +219,10 @@ impl Fitting {
     /// Forgets the lobes and takes a fit that is finished.
     pub fn adopt_fit(&mut self, fit: FittedLobes) {
         self.adopt(Arc::clone(&fit.lobes.map));
+        self.take_fit(fit);
+    }
+
+    fn take_fit(&mut self, fit: FittedLobes) {
         let level = |index| LevelFit { state: LevelState::Done, stats: fit.stats.get(index).copied().flatten() };
         self.levels = (0..fit.lobes.levels()).map(level).collect();
         (self.lobes, self.settings) = (fit.lobes, fit.settings);
@@ -190,9 +245,10 @@ impl Fitting {
         self.pool = Some(Arc::clone(&pool));
         let monitor = Arc::new(Monitor::new(fit::expected_visits(&self.map, &self.settings)));
         let (map, settings, watched) = (Arc::clone(&self.map), self.settings, Arc::clone(&monitor));
+        let start = Start { own: self.own.clone(), first: self.wanted.filter(|_| self.previews) };
         let job = Job::spawn("fit", Arc::clone(wake), move |outbox| {
             let result: Result<LobePyramid, Cancelled> =
-                pool.install(|| fit::fit(&map, &settings, &watched, &mut |event| outbox.send(event)));
+                pool.install(|| fit::fit_from(&map, &settings, &start, &watched, &mut |event| outbox.send(event)));
             if let Err(cancelled) = result {
                 log::debug!("{cancelled}");
             }
@@ -210,6 +266,54 @@ impl Fitting {
         }
     }
 
+    /// Starts to measure what the alignment of a finished fit is worth, where that is not known and somebody looks.
+    pub fn measure(&mut self, wake: &Wake) {
+        let unknown = |fit: &LevelFit| fit.stats.is_some_and(|stats| stats.coherence.is_none());
+        if !self.previews || self.measuring.is_some() || !self.is_complete() || !self.levels.iter().any(unknown) {
+            return;
+        }
+        let (lobes, pool) = (Arc::clone(&self.lobes), self.pool.clone());
+        let missing: Vec<usize> = (1..self.levels.len()).filter(|&level| unknown(&self.levels[level])).collect();
+        let work = move |outbox: &Outbox<(usize, Coherence)>| {
+            for level in missing {
+                let measure = || coherence::measure(&lobes, level);
+                let figures = pool.as_ref().map_or_else(measure, |pool| pool.install(measure));
+                outbox.send((level, figures.unwrap_or_default()));
+            }
+        };
+        match Job::spawn("measure-alignment", Arc::clone(wake), work) {
+            Ok(job) => self.measuring = Some(job),
+            Err(error) => log::warn!("the alignment cannot be measured: {error}"),
+        }
+    }
+
+    /// True while figures of a finished fit are on their way.
+    pub fn is_measuring(&self) -> bool {
+        self.measuring.is_some()
+    }
+
+    fn take_figures(&mut self) -> bool {
+        let mut changed = false;
+        while let Some(event) = self.measuring.as_ref().and_then(Job::next) {
+            changed = true;
+            match event {
+                JobEvent::News((level, figures)) => {
+                    if let Some(stats) = &mut self.levels[level].stats {
+                        stats.coherence = Some(figures);
+                    }
+                }
+                JobEvent::Panicked(text) => {
+                    log::warn!("the alignment was not measured: {text}");
+                    self.measuring = None;
+                }
+            }
+        }
+        if self.levels.iter().all(|fit| fit.stats.is_none_or(|stats| stats.coherence.is_some())) {
+            self.measuring = None;
+        }
+        changed
+    }
+
     /// Stops the job; the levels that are done stay.
     pub fn cancel(&mut self) {
         self.running = None;
@@ -222,7 +326,7 @@ impl Fitting {
             changed = true;
             self.handle(event, messages);
         }
-        changed
+        changed | self.take_figures()
     }
 
     /// Waits up to `timeout` for the job's next event and takes it.
@@ -244,12 +348,38 @@ impl Fitting {
         }
     }
 
+    /// The selected texel's own lobes, fitted ahead of its level; `None` once the level itself is fitted.
+    pub fn first(&self, texel: Texel) -> Option<&[StoredLobe]> {
+        let waits = matches!(self.levels[texel.level].state, LevelState::Missing | LevelState::Earlier);
+        self.first.as_ref().filter(|(fitted, _)| waits && *fitted == texel).map(|(_, stored)| stored.as_slice())
+    }
+
+    /// The texel that the next start fits first.
+    pub fn want(&mut self, texel: Texel) {
+        self.wanted = Some(texel);
+    }
+
+    /// Remembers a level of the unaligned fit; they come from the finest up.
+    fn remember(&mut self, level: usize, mixtures: &Arc<MixtureLevel>, stats: LevelStats) {
+        let next = level == self.own.len() + 1;
+        if next && self.previews && self.own_bytes() + kept::level_bytes(mixtures) <= kept::BUDGET / 2 {
+            self.own.push((Arc::clone(mixtures), stats));
+        }
+    }
+
     fn take(&mut self, event: FitEvent) {
+        if let FitEvent::Level { level, mixtures, stats, stage } = &event
+            && (*stage == Stage::Own || self.settings.align == Alignment::None)
+        {
+            self.remember(*level, mixtures, *stats);
+        }
         let lobes = Arc::make_mut(&mut self.lobes);
         match event {
-            FitEvent::Level { level, mixtures, stats, last } => {
+            FitEvent::First { texel, stored } => self.first = Some((texel, stored)),
+            FitEvent::Level { level, mixtures, stats, stage } => {
                 // Finished lobes, even of earlier settings, look better than unaligned ones.
                 let shown = &mut self.levels[level];
+                let last = stage == Stage::Done;
                 if last || self.previews && shown.state != LevelState::Earlier {
                     lobes.coarse[level - 1] = Some(mixtures);
                     lobes.colors[level - 1] = None;
@@ -263,6 +393,9 @@ impl Fitting {
                 self.levels[0].state = LevelState::Done;
                 self.fold = Fold::default();
                 self.running = None;
+                if let Some(fit) = self.finished().filter(|_| self.previews) {
+                    self.kept.keep(fit, kept::BUDGET - self.own_bytes());
+                }
             }
         }
         self.revision += 1;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 use ndf_inspector::brdf::Material;
 use ndf_inspector::export::lobes_exr::{FittedLobes, read_bytes, write};
-use ndf_inspector::filter::vmf::{Alignment, FitSettings, Fold, LobePyramid, Rules};
+use ndf_inspector::filter::vmf::{Alignment, FitSettings, Fold, LobePyramid, Objective, Rules};
 use ndf_inspector::filter::{Filter, LocalLight, Lookup, PlainMip, Truth, VmfFilter};
 use ndf_inspector::normal_map::albedo::Albedo;
 use ndf_inspector::normal_map::pyramid::Texel;
@@ -87,7 +87,8 @@ fn each_lobe_of_a_groove_has_its_sides_colour() {
 #[test]
 fn the_lobes_colours_sum_to_the_mean_colour() {
     let map = with_color(rough(21, 13, Addressing::Clamp), |index| Vec3::new(noise(index), noise(index + 5), 0.5));
-    let lobes = fitted(&map, &settings(4, Alignment::None));
+    let settings = FitSettings { objective: Objective::Em, ..settings(4, Alignment::None) };
+    let lobes = fitted(&map, &settings);
     let mip = PlainMip::new(Arc::clone(&map));
     for level in 1..lobes.levels() {
         for (texel, stored) in lobes.colors[level - 1].as_ref().expect("coloured").stored.chunks(4).enumerate() {

@@ -22,6 +22,7 @@ fn fit_of(lobes: LobePyramid) -> FittedLobes {
         let coherence = Coherence { coherence_deg: 1.0 / 3.0, interpolation_error: 0.02, trilinear_error: None };
         (level > 0).then_some(LevelStats {
             mean_log_likelihood,
+            mean_lobes: 1.5 + level as f64,
             mean_iterations: 9.25,
             seconds: 0.0,
             log_likelihood_lost: 0.1,

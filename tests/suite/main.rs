@@ -9,4 +9,6 @@ mod house;
 mod lobes_exr;
 mod objectives;
 mod opening;
+mod refit;
+mod selection;
 mod window;

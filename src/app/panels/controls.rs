@@ -9,12 +9,13 @@ use super::{PanelContext, heading, rule};
 use crate::app::parameter::{Parameter, choice, label};
 use crate::app::{Command, theme};
 use crate::brdf::ConvolutionRule;
-use crate::filter::vmf::{Alignment, FitSettings};
+use crate::filter::vmf::{Alignment, FitSettings, Objective, Selection};
 use crate::lit_surface::{LevelChoice, LitSurface};
 use crate::normal_map::{Addressing, GreenChannel, MapSource};
 use crate::scene::ShapeKind;
 use crate::sphere::vmf::KappaRule;
 
+mod level_figures;
 mod parameters;
 use parameters as p;
 
@@ -99,7 +100,8 @@ fn reading(ui: &mut Ui, context: &mut PanelContext<'_>) {
 
 fn fit(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let mut settings = *context.session.fit_settings();
-    p::LOBES.show_count(ui, &mut settings.lobes);
+    selection(ui, &mut settings);
+    objective(ui, &mut settings);
     alignment(ui, &mut settings);
     p::ITERATIONS.show_count(ui, &mut settings.iterations);
     let rules = [(KappaRule::Exact, "exact"), (KappaRule::Banerjee, "Banerjee (closed form)")];
@@ -110,6 +112,65 @@ fn fit(ui: &mut Ui, context: &mut PanelContext<'_>) {
         context.push(Command::SetFit(settings));
     }
     progress(ui, context);
+    level_figures::show(ui, context.session);
+}
+
+/// How many lobes a texel gets.
+fn selection(ui: &mut Ui, settings: &mut FitSettings) {
+    #[derive(Clone, Copy, PartialEq)]
+    enum Kind {
+        Fixed,
+        BrdfError,
+        Bic,
+    }
+    let kind = match settings.selection {
+        Selection::Fixed => Kind::Fixed,
+        Selection::BrdfError { .. } => Kind::BrdfError,
+        Selection::Bic => Kind::Bic,
+    };
+    let kinds = [(Kind::Fixed, "J in every texel"), (Kind::BrdfError, "auto: BRDF error"), (Kind::Bic, "auto: BIC")];
+    if let Some(kind) = choice(ui, "Lobe count", p::SELECTION, kind, &kinds) {
+        settings.selection = match kind {
+            Kind::Fixed => Selection::Fixed,
+            Kind::BrdfError => Selection::AUTO,
+            Kind::Bic => Selection::Bic,
+        };
+        settings.lobes = settings.selection.default_most();
+    }
+    let lobes = if kind == Kind::Fixed { p::LOBES } else { p::MOST_LOBES };
+    lobes.show_count(ui, &mut settings.lobes);
+    if let Selection::BrdfError { percent } = &mut settings.selection {
+        p::BRDF_ERROR.show_f32(ui, percent);
+    }
+}
+
+/// What each texel's own fit strives for.
+fn objective(ui: &mut Ui, settings: &mut FitSettings) {
+    #[derive(Clone, Copy, PartialEq)]
+    enum Kind {
+        Appearance,
+        Em,
+        Likelihood,
+    }
+    let kind = match settings.objective {
+        Objective::Appearance { .. } => Kind::Appearance,
+        Objective::Em => Kind::Em,
+        Objective::Likelihood => Kind::Likelihood,
+    };
+    let kinds = [(Kind::Appearance, "appearance"), (Kind::Em, "EM (Algorithm 1)"), (Kind::Likelihood, "likelihood")];
+    if let Some(kind) = choice(ui, "Objective", p::OBJECTIVE, kind, &kinds) {
+        settings.objective = match kind {
+            Kind::Appearance => Objective::APPEARANCE,
+            Kind::Em => Objective::Em,
+            Kind::Likelihood => Objective::Likelihood,
+        };
+    }
+    if let Objective::Appearance { steps } = &mut settings.objective {
+        let mut count = usize::from(*steps);
+        if p::STEPS.show_count(ui, &mut count) {
+            *steps = count as u8;
+        }
+    }
 }
 
 fn alignment(ui: &mut Ui, settings: &mut FitSettings) {

@@ -126,6 +126,11 @@ impl BinnedSamples {
         samples
     }
 
+    /// Cells that hold a normal.
+    pub fn occupied(&self) -> usize {
+        self.w.iter().filter(|&&w| w > 0.0).count()
+    }
+
     /// Cells that hold a normal, rounded up to whole lanes.
     pub fn len(&self) -> usize {
         self.w.len()

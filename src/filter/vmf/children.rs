@@ -2,6 +2,7 @@
 
 use super::merge::{Candidates, Criterion};
 use super::pyramid::LobePyramid;
+use super::selection;
 use crate::normal_map::pyramid::Span;
 use crate::sphere::StoredLobe;
 
@@ -33,6 +34,13 @@ impl<'a> Children<'a> {
                 }
             }
         }
+    }
+
+    /// The lobes in use of the child that has most of them.
+    pub fn most_lobes(&self) -> usize {
+        let mut most = 0;
+        self.each(|stored, _| most = most.max(selection::used(stored)));
+        most
     }
 
     /// Adds every child's lobes, their weights times the child's area.

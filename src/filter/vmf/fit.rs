@@ -12,8 +12,11 @@ use super::monitor::{Cancelled, Monitor};
 use super::objective::Objective;
 use super::pull::Pull;
 use super::pyramid::{BaseSlots, LobePyramid, MixtureLevel};
-use super::{base_slots, scanline, smooth, unaligned};
+use super::selection::{self, Selection};
+use super::{base_slots, first, scanline, smooth, unaligned};
 use crate::normal_map::NormalMap;
+use crate::normal_map::pyramid::Texel;
+use crate::sphere::StoredLobe;
 use crate::sphere::vmf::KappaRule;
 
 /// How lobe j of neighbouring texels is made to mean the same thing, so that hardware may interpolate it.
@@ -115,8 +118,10 @@ impl TryFrom<String> for Alignment {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FitSettings {
-    /// Lobes per texel J, `1..=16`.
+    /// Lobes per texel J, `1..=16`: how many, or how many at most.
     pub lobes: usize,
+    /// Who decides how many of them a texel gets.
+    pub selection: Selection,
     /// What each texel's own fit strives for.
     pub objective: Objective,
     /// How lobes are aligned.
@@ -133,6 +138,7 @@ impl Default for FitSettings {
     fn default() -> Self {
         Self {
             lobes: 6,
+            selection: Selection::default(),
             objective: Objective::default(),
             align: Alignment::default(),
             iterations: 100,
@@ -168,6 +174,8 @@ pub struct LevelStats {
     pub mean_log_likelihood: f64,
     /// Mean iterations, or passes, per texel.
     pub mean_iterations: f64,
+    /// Mean number of lobes in use per texel.
+    pub mean_lobes: f64,
     /// Seconds it took.
     pub seconds: f64,
     /// Mean log-likelihood that alignment cost against each texel's own fit.
@@ -176,9 +184,27 @@ pub struct LevelStats {
     pub coherence: Option<Coherence>,
 }
 
+/// How far a level's lobes are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Each texel's own fit, to be aligned.
+    Own,
+    /// Aligned, to be thinned out.
+    Aligned,
+    /// Nothing better will follow.
+    Done,
+}
+
 /// News from a running fit.
 #[derive(Clone, Debug)]
 pub enum FitEvent {
+    /// The own lobes of the texel that was to be fitted first.
+    First {
+        /// Which texel.
+        texel: Texel,
+        /// Its lobes.
+        stored: Vec<StoredLobe>,
+    },
     /// A level above the base is fitted. A fit that aligns reports each level twice, first unaligned.
     Level {
         /// Which level.
@@ -187,8 +213,8 @@ pub enum FitEvent {
         mixtures: Arc<MixtureLevel>,
         /// What it came to.
         stats: LevelStats,
-        /// True when nothing better will follow.
-        last: bool,
+        /// How far they are.
+        stage: Stage,
     },
     /// The lobes of a level have their colours.
     Color {
@@ -199,6 +225,18 @@ pub enum FitEvent {
     },
     /// The base level's slots are chosen: the fit is complete.
     Base(Arc<BaseSlots>),
+}
+
+/// Levels of the unaligned fit that are there already, the finest first: a change of the alignment needs them only.
+pub type OwnLevels = Vec<(Arc<MixtureLevel>, LevelStats)>;
+
+/// Where a fit starts.
+#[derive(Clone, Debug, Default)]
+pub struct Start {
+    /// What an earlier fit of the same settings, alignment apart, has left.
+    pub own: OwnLevels,
+    /// The texel that somebody waits for.
+    pub first: Option<Texel>,
 }
 
 /// The normals that a fit of these settings is expected to visit, per level.
@@ -219,32 +257,43 @@ pub fn fit(
     monitor: &Monitor,
     report: &mut dyn FnMut(FitEvent),
 ) -> Result<LobePyramid, Cancelled> {
+    fit_from(map, settings, &Start::default(), monitor, report)
+}
+
+/// As [`fit`], from where an earlier one has left off.
+pub fn fit_from(
+    map: &Arc<NormalMap>,
+    settings: &FitSettings,
+    start: &Start,
+    monitor: &Monitor,
+    report: &mut dyn FnMut(FitEvent),
+) -> Result<LobePyramid, Cancelled> {
     let mut lobes = LobePyramid::unfitted(Arc::clone(map));
     let aligns = settings.align != Alignment::None;
+    if let Some(texel) = start.first.filter(|texel| texel.level > start.own.len())
+        && let Some(stored) = first::fit(map, texel, settings)
+    {
+        report(FitEvent::First { texel, stored });
+    }
     // By level; the base is not fitted.
-    let mut own_log_likelihood = vec![0.0];
+    let mut own = vec![LevelStats::default()];
     for level in 1..lobes.levels() {
-        let timed = std::time::Instant::now();
-        let (mixtures, mut stats) = unaligned::fit_level(&lobes, level, settings, monitor)?;
-        stats.seconds = timed.elapsed().as_secs_f64();
-        own_log_likelihood.push(stats.mean_log_likelihood);
-        keep(&mut lobes, level, mixtures, stats, !aligns, report);
+        let (mixtures, stats) = match start.own.get(level - 1) {
+            Some((mixtures, stats)) => {
+                monitor.visited(level, (map.len() * unaligned::most_passes(settings)) as u64);
+                (Arc::clone(mixtures), *stats)
+            }
+            None => {
+                let timed = std::time::Instant::now();
+                let (mixtures, stats) = unaligned::fit_level(&lobes, level, settings, monitor)?;
+                (Arc::new(mixtures), LevelStats { seconds: timed.elapsed().as_secs_f64(), ..stats })
+            }
+        };
+        own.push(stats);
+        keep(&mut lobes, level, mixtures, stats, if aligns { Stage::Own } else { Stage::Done }, report);
     }
     if aligns {
-        // The top is shared by both fits; alignment starts below it.
-        for level in (1..lobes.levels() - 1).rev() {
-            let timed = std::time::Instant::now();
-            // The aligned fit starts from the coarser level; this one's own lobes only take room.
-            lobes.coarse[level - 1] = None;
-            let (mixtures, mut stats) = match (settings.align, settings.align.pull()) {
-                (_, Some(pull)) => scanline::fit_level(&lobes, level, pull, settings, monitor)?,
-                (Alignment::Smooth { blend }, _) => smooth::fit_level(&lobes, level, blend, settings, monitor)?,
-                _ => break,
-            };
-            stats.seconds = timed.elapsed().as_secs_f64();
-            stats.log_likelihood_lost = own_log_likelihood[level] - stats.mean_log_likelihood;
-            keep(&mut lobes, level, mixtures, stats, true, report);
-        }
+        align(&mut lobes, settings, &own, monitor, report)?;
     }
     color::fit_levels(&mut lobes, settings.kappa, monitor, &mut |level, colors| {
         report(FitEvent::Color { level, colors: Arc::clone(colors) });
@@ -256,15 +305,66 @@ pub fn fit(
     Ok(lobes)
 }
 
+/// Replaces each texel's own lobes by aligned ones, from the coarsest level down.
+fn align(
+    lobes: &mut LobePyramid,
+    settings: &FitSettings,
+    own: &[LevelStats],
+    monitor: &Monitor,
+    report: &mut dyn FnMut(FitEvent),
+) -> Result<(), Cancelled> {
+    let selects = settings.selection != Selection::Fixed;
+    let slots = if selects { selection::slots(lobes) } else { settings.lobes };
+    let aligned = FitSettings { lobes: slots, selection: Selection::Fixed, ..*settings };
+    let top = lobes.levels() - 1;
+    // The top is shared by both fits; alignment starts below it.
+    match lobes.level(top).cloned() {
+        // Every slot below descends from one of the top, so the top has to fill them all.
+        Some(_) if selects => {
+            let (mixtures, stats) = unaligned::fit_level(lobes, top, &aligned, monitor)?;
+            keep(lobes, top, Arc::new(mixtures), stats, Stage::Aligned, report);
+        }
+        Some(mixtures) => keep(lobes, top, mixtures, own[top], Stage::Done, report),
+        None => {}
+    }
+    for level in (1..top).rev() {
+        let timed = std::time::Instant::now();
+        // The aligned fit starts from the coarser level; this one's own lobes only take room.
+        lobes.coarse[level - 1] = None;
+        let (mixtures, mut stats) = match (settings.align, settings.align.pull()) {
+            (_, Some(pull)) => scanline::fit_level(lobes, level, pull, &aligned, monitor)?,
+            (Alignment::Smooth { blend }, _) => smooth::fit_level(lobes, level, blend, &aligned, monitor)?,
+            (Alignment::None | Alignment::Paper { .. } | Alignment::Map { .. }, None) => break,
+        };
+        stats.seconds = timed.elapsed().as_secs_f64();
+        stats.log_likelihood_lost = own[level].mean_log_likelihood - stats.mean_log_likelihood;
+        let stage = if selects { Stage::Aligned } else { Stage::Done };
+        keep(lobes, level, Arc::new(mixtures), stats, stage, report);
+    }
+    if let Selection::BrdfError { percent } = settings.selection {
+        selection::prune_levels(lobes, f64::from(percent) / 100.0, monitor)?;
+    }
+    if selects {
+        for level in 1..=top {
+            let Some(mixtures) = lobes.coarse[level - 1].take() else { continue };
+            let mut stats = smooth::likelihood(&lobes.map, &mixtures, &aligned, monitor)?;
+            stats.mean_iterations = aligned.aligned_passes() as f64;
+            stats.log_likelihood_lost = own[level].mean_log_likelihood - stats.mean_log_likelihood;
+            keep(lobes, level, Arc::new(Arc::unwrap_or_clone(mixtures).trimmed()), stats, Stage::Done, report);
+        }
+    }
+    Ok(())
+}
+
 fn keep(
     lobes: &mut LobePyramid,
     level: usize,
-    mixtures: MixtureLevel,
-    stats: LevelStats,
-    last: bool,
+    mixtures: Arc<MixtureLevel>,
+    mut stats: LevelStats,
+    stage: Stage,
     report: &mut dyn FnMut(FitEvent),
 ) {
-    let mixtures = Arc::new(mixtures);
+    stats.mean_lobes = mixtures.mean_lobes();
     lobes.coarse[level - 1] = Some(Arc::clone(&mixtures));
-    report(FitEvent::Level { level, mixtures, stats, last: last || level + 1 == lobes.levels() });
+    report(FitEvent::Level { level, mixtures, stats, stage });
 }

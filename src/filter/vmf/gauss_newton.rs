@@ -30,6 +30,10 @@ const EASED: f64 = 0.2;
 /// Factor on the damping after a step that is not.
 const RAISED: f64 = 10.0;
 
+/// Added to the whole diagonal, of its largest entry: an unknown that no material sees, such as the kappa of a lobe far
+/// sharper than any, stays where it is rather than follow the rounding of the sums.
+const FLOOR: f64 = 1e-6;
+
 /// Most that a weight or a concentration changes in a step, as a logarithm: a factor of 10.
 const LOG_LIMIT: f64 = std::f64::consts::LN_10;
 
@@ -190,11 +194,16 @@ impl Equations {
         }
     }
 
-    /// Raises the diagonal in proportion, and by a trace of its largest so that no unknown is left without one.
+    /// Raises the diagonal in proportion, and by [`FLOOR`]. Both tangents of a lobe are raised alike: which two they
+    /// are must not matter.
     fn damp(&mut self, damping: f64) {
         let largest = (0..self.unknowns).map(|i| self.matrix[i][i]).fold(0.0, f64::max);
-        for i in 0..self.unknowns {
-            self.matrix[i][i] += damping * self.matrix[i][i].max(0.0) + 1e-9 * largest;
+        for lobe in (0..self.unknowns).step_by(EACH) {
+            let diagonal: [f64; EACH] = std::array::from_fn(|p| self.matrix[lobe + p][lobe + p].max(0.0));
+            let tangents = 0.5 * (diagonal[1] + diagonal[2]);
+            for (p, raise) in [diagonal[0], tangents, tangents, diagonal[3]].into_iter().enumerate() {
+                self.matrix[lobe + p][lobe + p] += damping * raise + FLOOR * largest;
+            }
         }
     }
 

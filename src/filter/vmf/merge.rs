@@ -154,7 +154,7 @@ impl Candidates {
             (0..self.count).for_each(|i| partners[i] = self.partner_of(i, criterion));
         }
         while self.count > wanted.max(1) {
-            let cheapest = (0..self.count - 1).min_by(|&i, &k| partners[i].cost.total_cmp(&partners[k].cost));
+            let cheapest = (0..self.count - 1).min_by(|&i, &k| partners[i].rank(&partners[k]));
             let Some(i) = cheapest else { return };
             self.merge(i, &mut partners, criterion);
         }
@@ -177,17 +177,22 @@ impl Candidates {
             }
             for changed in [i, j] {
                 if changed > k && changed < last {
-                    let cost = criterion.pair_cost(&self.lobes[k], &self.lobes[changed]);
-                    partners[k] = partners[k].cheaper(Partner { index: changed, cost });
+                    partners[k] = partners[k].cheaper(self.partner(k, changed, criterion));
                 }
             }
         }
     }
 
+    fn partner(&self, i: usize, index: usize, criterion: &impl Criterion) -> Partner {
+        let (a, b) = (&self.lobes[i], &self.lobes[index]);
+        let height = a.alpha * a.resultant.z + b.alpha * b.resultant.z;
+        Partner { index, cost: criterion.pair_cost(a, b) as f32, height: height as f32 }
+    }
+
     fn partner_of(&self, i: usize, criterion: &impl Criterion) -> Partner {
         let mut best = Partner::NONE;
         for index in i + 1..self.count {
-            best = best.cheaper(Partner { index, cost: criterion.pair_cost(&self.lobes[i], &self.lobes[index]) });
+            best = best.cheaper(self.partner(i, index, criterion));
         }
         best
     }
@@ -210,15 +215,22 @@ impl Candidates {
 #[derive(Clone, Copy, Debug)]
 struct Partner {
     index: usize,
-    cost: f64,
+    /// In single precision, so that what differs by rounding only is a tie.
+    cost: f32,
+    /// `sum alpha r_z` of the pair: decides a tie, for it is the same in a map mirrored, flipped or turned.
+    height: f32,
 }
 
 impl Partner {
-    const NONE: Self = Self { index: usize::MAX, cost: f64::INFINITY };
+    const NONE: Self = Self { index: usize::MAX, cost: f32::INFINITY, height: 0.0 };
+
+    fn rank(&self, other: &Self) -> std::cmp::Ordering {
+        self.cost.total_cmp(&other.cost).then(self.height.total_cmp(&other.height))
+    }
 
     /// The cheaper of two; the first where they cost the same.
     fn cheaper(self, other: Self) -> Self {
-        if other.cost < self.cost { other } else { self }
+        if other.rank(&self).is_lt() { other } else { self }
     }
 }
 

@@ -3,10 +3,12 @@
 pub mod appearance;
 pub mod base_slots;
 pub mod bins;
+pub mod brdf_error;
 pub mod children;
 pub mod coherence;
 pub mod color;
 pub mod em;
+pub mod first;
 pub mod fit;
 pub mod fold;
 pub mod gauss_newton;
@@ -22,6 +24,7 @@ pub mod pyramid;
 pub mod samples;
 pub mod scanline;
 pub mod seed;
+pub mod selection;
 pub mod shaded;
 pub mod smooth;
 pub mod unaligned;
@@ -41,10 +44,11 @@ use crate::sphere::{Lobe, Mixture};
 
 pub use coherence::Coherence;
 pub use color::ColorLevel;
-pub use fit::{Alignment, FitEvent, FitSettings, LevelStats};
+pub use fit::{Alignment, FitEvent, FitSettings, LevelStats, Stage};
 pub use monitor::{Cancelled, Monitor};
 pub use objective::Objective;
 pub use pyramid::{BaseSlots, LobePyramid, MixtureLevel};
+pub use selection::{LobeCount, Selection};
 
 /// Which slot each slot's channels are added to before shading: the identity shows the fit as it is, anything else
 /// is a preview with fewer lobes.

@@ -5,11 +5,10 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 /// What a texel's own fit strives for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub enum Objective {
     /// The papers' way: the children's lobes that lie farthest apart, then EM to its tolerance.
-    #[default]
     Em,
     /// The shaded look: the children's lobes merged as a material blurs them, a few EM iterations, then steps that
     /// lower the squared distance between the shaded mixture and the shaded truth.
@@ -30,6 +29,12 @@ impl Objective {
 
     /// The shaded look, with the usual number of steps.
     pub const APPEARANCE: Self = Self::Appearance { steps: Self::DEFAULT_STEPS };
+}
+
+impl Default for Objective {
+    fn default() -> Self {
+        Self::APPEARANCE
+    }
 }
 
 /// Why an objective's name could not be read.

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::color::ColorLevel;
+use super::selection::used;
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
+use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::{Mixture, StoredLobe};
 
 /// The mixtures of one level above the base.
@@ -26,6 +28,30 @@ impl MixtureLevel {
     /// A level of empty slots.
     pub fn empty((width, height): (usize, usize), lobes: usize) -> Self {
         Self { width, height, lobes, stored: vec![[0.0; 4]; width * height * lobes] }
+    }
+
+    /// Texels that use no lobe, one, two and so on.
+    pub fn lobe_counts(&self) -> [usize; MAX_LOBES + 1] {
+        let mut counts = [0; MAX_LOBES + 1];
+        self.stored.chunks_exact(self.lobes).for_each(|stored| counts[used(stored)] += 1);
+        counts
+    }
+
+    /// Mean number of lobes in use per texel.
+    pub fn mean_lobes(&self) -> f64 {
+        let all: usize = self.lobe_counts().iter().enumerate().map(|(count, texels)| count * texels).sum();
+        all as f64 / (self.width * self.height) as f64
+    }
+
+    /// The level without the slots that no texel uses.
+    pub fn trimmed(self) -> Self {
+        let last = |stored: &[StoredLobe]| stored.iter().rposition(|lobe| lobe[0] > EMPTY_WEIGHT).map_or(0, |j| j + 1);
+        let lobes = self.stored.chunks_exact(self.lobes).map(last).max().unwrap_or(0).max(1);
+        if lobes == self.lobes {
+            return self;
+        }
+        let stored = self.stored.chunks_exact(self.lobes).flat_map(|stored| stored[..lobes].iter().copied()).collect();
+        Self { lobes, stored, ..self }
     }
 
     /// The slots of texel `(x, y)`.

@@ -13,6 +13,7 @@ use super::objective::Objective;
 use super::pyramid::{LobePyramid, MixtureLevel};
 use super::samples::{FootprintSamples, Samples};
 use super::seed::{self, Candidates};
+use super::selection::{Selection, Trials};
 use super::{appearance, likelihood};
 use crate::normal_map::pyramid::Footprint;
 
@@ -34,7 +35,8 @@ pub fn fit_level(
         monitor.check()
     })?;
     let stats = totals.stats(size.0 * size.1);
-    Ok((mixtures, stats))
+    let chosen = settings.selection != Selection::Fixed;
+    Ok((if chosen { mixtures.trimmed() } else { mixtures }, stats))
 }
 
 /// One texel's fit: how, and how far.
@@ -55,16 +57,16 @@ impl TexelTask<'_> {
         self.monitor.visited(self.level, self.normals as u64);
         !self.monitor.is_cancelled()
     }
-
-    /// Counts the passes that were expected and not needed.
-    fn finish(&self) {
-        let left = most_passes(self.settings).saturating_sub(self.passes);
-        self.monitor.visited(self.level, (left * self.normals) as u64);
-    }
 }
 
 /// Passes over a texel's normals that its own fit is expected to take at most.
 pub fn most_passes(settings: &FitSettings) -> usize {
+    // Where the number of lobes is chosen, a texel is fitted about three times.
+    let trials = if settings.selection == Selection::Fixed { 1 } else { 3 };
+    trials * passes_of_trial(settings)
+}
+
+fn passes_of_trial(settings: &FitSettings) -> usize {
     match settings.objective {
         Objective::Em => settings.iterations + 1,
         Objective::Appearance { steps } => appearance::ITERATIONS.min(settings.iterations) + usize::from(steps) + 1,
@@ -83,20 +85,35 @@ pub fn fit_texel(
     let map = lobes.map.as_ref();
     let sizes = map.level_sizes();
     let footprint = Footprint::new(sizes[0], sizes[level], texel);
-    let mut task = TexelTask { settings, normals: footprint.len(), monitor, level, passes: 0 };
     let samples = FootprintSamples::new(map, footprint);
-    let exact = if small(&footprint, settings.lobes) { seed::exact(map, &footprint, settings.lobes) } else { None };
     let children = Children::new(lobes, level, texel);
-    let fit = match (exact, settings.objective) {
-        (Some(lobes), _) => em::fit(&samples, lobes, Stop { iterations: 0, tolerance: 0.0 }, settings.kappa, || true),
-        (None, Objective::Em) => fit_by_em(&samples, &children, &mut task),
-        (None, objective) if footprint.len() >= bins::WORTHWHILE => {
-            fit_from_merge(objective, &BinnedSamples::new(map, &footprint), &children, &mut task)
-        }
-        (None, objective) => fit_from_merge(objective, &samples, &children, &mut task),
+    let mut passes = 0;
+    let trial = |lobes: usize| {
+        let settings = FitSettings { lobes, ..*settings };
+        let mut task = TexelTask { settings: &settings, normals: footprint.len(), monitor, level, passes: 0 };
+        let fit = fit_trial(&samples, &children, &mut task);
+        passes += task.passes;
+        fit
     };
-    task.finish();
+    let trials = Trials { samples: &samples, most: settings.lobes, kappa: settings.kappa, fit: trial };
+    let fit = trials.choose(settings.selection, &children);
+    // The passes that were expected and not needed.
+    monitor.visited(level, (most_passes(settings).saturating_sub(passes) * footprint.len()) as u64);
     fit
+}
+
+/// Fits one texel with as many lobes as the settings have.
+fn fit_trial(samples: &FootprintSamples<'_>, children: &Children<'_>, task: &mut TexelTask<'_>) -> TexelFit {
+    let (map, footprint, settings) = (samples.map(), samples.footprint(), task.settings);
+    let exact = if small(footprint, settings.lobes) { seed::exact(map, footprint, settings.lobes) } else { None };
+    match (exact, settings.objective) {
+        (Some(lobes), _) => em::fit(samples, lobes, Stop { iterations: 0, tolerance: 0.0 }, settings.kappa, || true),
+        (None, Objective::Em) => fit_by_em(samples, children, task),
+        (None, objective) if footprint.len() >= bins::WORTHWHILE => {
+            fit_from_merge(objective, &BinnedSamples::new(map, footprint), children, task)
+        }
+        (None, objective) => fit_from_merge(objective, samples, children, task),
+    }
 }
 
 /// The objectives that start from the children's lobes merged.

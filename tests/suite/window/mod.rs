@@ -36,6 +36,7 @@ type Window = Harness<'static, TestWindow>;
 const SETTINGS: FitSettings = FitSettings { lobes: 3, ..QUICK };
 const QUICK: FitSettings = FitSettings {
     lobes: 1,
+    selection: ndf_inspector::filter::vmf::Selection::Fixed,
     objective: ndf_inspector::filter::vmf::Objective::Em,
     align: ndf_inspector::filter::vmf::Alignment::Smooth { blend: 0.15 },
     iterations: 12,

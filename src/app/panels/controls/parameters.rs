@@ -2,7 +2,7 @@
 
 use crate::app::parameter::Parameter;
 use crate::brdf::Material;
-use crate::filter::vmf::Alignment;
+use crate::filter::vmf::{Alignment, Objective, Selection};
 use crate::lighting::DirectionalLight;
 use crate::session::opening::DEFAULT_HEIGHT_SCALE;
 
@@ -21,6 +21,10 @@ pub(super) const KAPPA: &str = "How a lobe's concentration follows from its mean
                                 A(kappa) = coth(kappa) - 1/kappa, or the papers' closed form, up to 5 % off.";
 pub(super) const ALIGNMENT: &str =
     "How lobe j of neighbouring texels is made to mean the same thing, so that hardware may interpolate it.";
+pub(super) const SELECTION: &str = "How many lobes a texel gets: J of them, or as few as a criterion is content with. The BRDF's error is that of \
+     Blinn-Phong at s = 64; BIC is the Bayesian information criterion.";
+pub(super) const OBJECTIVE: &str = "What each texel's own fit strives for. Appearance: the shaded look. EM: the papers' Algorithm 1. Likelihood: the \
+     highest density, by splitting and merging lobes.";
 pub(super) const CONVOLUTION: &str =
     "How the exponent of a Blinn-Phong lobe blurred by a vMF lobe is found (Han et al. 2007, eq. 20, and two others).";
 pub(super) const LEVEL: &str = "Which level the surface reads: the one whose texels are as large as a pixel, or one \
@@ -36,10 +40,33 @@ pub(super) const HEIGHT_SCALE: Parameter = Parameter {
 };
 pub(super) const LOBES: Parameter = Parameter {
     name: "Lobes J",
-    range: [1.0, 8.0],
+    range: [1.0, 16.0],
     default: 6.0,
     decimals: 0,
     tooltip: "Lobes per texel. Fewer are shown at once, merged from those at hand, until the fit is done.",
+    ..PLAIN
+};
+pub(super) const MOST_LOBES: Parameter = Parameter {
+    name: "Most lobes J",
+    default: 16.0,
+    tooltip: "Most lobes that a texel may get; most texels need fewer.",
+    ..LOBES
+};
+pub(super) const BRDF_ERROR: Parameter = Parameter {
+    name: "BRDF error",
+    range: [0.1, 50.0],
+    default: Selection::DEFAULT_PERCENT as f64,
+    unit: " %",
+    decimals: 1,
+    logarithmic: true,
+    tooltip: "A texel gets the fewest lobes whose effective Blinn-Phong at s = 64 is no farther from the truth.",
+};
+pub(super) const STEPS: Parameter = Parameter {
+    name: "Refinement",
+    range: [0.0, 10.0],
+    default: Objective::DEFAULT_STEPS as f64,
+    decimals: 0,
+    tooltip: "Gauss-Newton steps on the distance between the shaded lobes and the shaded truth.",
     ..PLAIN
 };
 pub(super) const BLEND: Parameter = Parameter {
