@@ -10,8 +10,8 @@
 pub const LANES: usize = 16;
 
 /// One group of lanes, placed so that a load never straddles two cache lines.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
 pub struct Lanes(pub [f32; LANES]);
 
 impl Lanes {
@@ -19,6 +19,14 @@ impl Lanes {
     #[inline(always)]
     pub const fn splat(value: f32) -> Self {
         Self([value; LANES])
+    }
+
+    /// Adds lane by lane.
+    #[inline(always)]
+    pub fn add(&mut self, other: &Self) {
+        for i in 0..LANES {
+            self.0[i] += other.0[i];
+        }
     }
 }
 

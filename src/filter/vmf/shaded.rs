@@ -109,10 +109,10 @@ fn add_block<const FMA: bool, const SPREAD: bool>(
             acc[3][i] = mul_add::<FMA>(value, dz, acc[3][i]);
         }
     }
-    let [value, x, y, z] = acc.map(halving_sum);
-    sum.value += f64::from(value);
-    for (total, part) in sum.deviation.iter_mut().zip([x, y, z]) {
-        *total += f64::from(part);
+    let [value, deviation @ ..] = acc;
+    sum.value += f64::from(halving_sum(value));
+    for axis in 0..3 {
+        sum.deviation[axis] += f64::from(halving_sum(deviation[axis]));
     }
 }
 

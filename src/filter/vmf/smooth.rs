@@ -15,7 +15,7 @@ use super::kernel::KernelLobes;
 use super::monitor::{Cancelled, Monitor};
 use super::pyramid::{LobePyramid, MixtureLevel};
 use super::samples::FootprintSamples;
-use super::unaligned::Totals;
+use super::unaligned::{Totals, texels_in_run};
 use crate::filter::sampling::Grid;
 use crate::normal_map::pyramid::Footprint;
 use crate::normal_map::{Addressing, NormalMap};
@@ -178,14 +178,17 @@ pub fn likelihood(
     monitor: &Monitor,
 ) -> Result<LevelStats, Cancelled> {
     let size = (mixtures.width, mixtures.height);
-    let totals = Totals::default();
-    (0..size.0 * size.1).into_par_iter().try_for_each(|index| {
+    let run = texels_in_run(map, size);
+    let of_run = |first: usize| {
         monitor.check()?;
-        let texel = (index % size.0, index / size.0);
-        totals.add_log_likelihood(mean_log_likelihood(map, mixtures, texel, settings));
-        Ok(())
-    })?;
-    Ok(totals.stats(size.0 * size.1))
+        let mut totals = Totals::default();
+        for index in first..(first + run).min(size.0 * size.1) {
+            totals.add_log_likelihood(mean_log_likelihood(map, mixtures, (index % size.0, index / size.0), settings));
+        }
+        Ok(totals)
+    };
+    let runs = (0..(size.0 * size.1).div_ceil(run)).into_par_iter().map(|index| of_run(index * run));
+    Ok(runs.try_reduce(Totals::default, |a, b| Ok(a + b))?.stats())
 }
 
 /// The mean log-likelihood of one texel's normals under its stored lobes; 0 without a valid normal.
