@@ -270,21 +270,18 @@ fn densities<const FMA: bool, const SPREAD: bool>(
     rows: &mut [Lanes],
 ) -> (Lanes, Lanes) {
     let (x, y, z) = (lanes(samples.x, group), lanes(samples.y, group), lanes(samples.z, group));
-    let spread = if SPREAD { lanes(samples.spread, group) } else { &[0.0; LANES] };
+    let spread = if SPREAD { lanes(samples.spread, group) } else { [0.0; LANES] };
     let mut max = Lanes::splat(LOG_ZERO);
     for (j, row) in rows.iter_mut().enumerate() {
         let LobeLanes { mu: [mx, my, mz], factor, scale } = lobes.lobe(j);
-        // A new maximum each time: one changed in place is stored through a mask, and slow to read again.
-        let mut larger = Lanes::splat(0.0);
         for i in 0..LANES {
             let (dx, dy, dz) = (x[i] - mx.0[i], y[i] - my.0[i], z[i] - mz.0[i]);
             let flat = if SPREAD { mul_add::<FMA>(dx, dx, spread[i]) } else { dx * dx };
             let chord = mul_add::<FMA>(dz, dz, mul_add::<FMA>(dy, dy, flat));
             let log_density = mul_add::<FMA>(factor.0[i], chord, scale.0[i]);
             row.0[i] = log_density;
-            larger.0[i] = if log_density > max.0[i] { log_density } else { max.0[i] };
+            max.0[i] = if log_density > max.0[i] { log_density } else { max.0[i] };
         }
-        max = larger;
     }
     let mut sum = Lanes::splat(0.0);
     for row in rows {

@@ -97,7 +97,7 @@ fn add_block<const FMA: bool, const SPREAD: bool>(
     for group in 0..samples.x.len() / LANES {
         let (x, y, z, w) =
             (lanes(samples.x, group), lanes(samples.y, group), lanes(samples.z, group), lanes(samples.w, group));
-        let spread = if SPREAD { lanes(samples.spread, group) } else { &[0.0; LANES] };
+        let spread = if SPREAD { lanes(samples.spread, group) } else { [0.0; LANES] };
         for i in 0..LANES {
             let (dx, dy, dz) = (x[i] - mx, y[i] - my, z[i] - mz);
             let flat = if SPREAD { mul_add::<FMA>(dx, dx, spread[i]) } else { dx * dx };
