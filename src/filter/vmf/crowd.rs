@@ -7,6 +7,7 @@
 
 #![expect(clippy::needless_range_loop, reason = "lanes of several arrays are walked by one index, which vectorises")]
 
+use std::cell::RefCell;
 use std::f32::consts::LOG2_E;
 
 use glam::{DVec3, Vec3};
@@ -36,6 +37,35 @@ pub struct CrowdSamples {
     scratch: Box<kernel::Scratch>,
 }
 
+thread_local! {
+    static SAMPLES: RefCell<CrowdSamples> = RefCell::default();
+}
+
+/// Gathers the normals of the `count` texels from `first` on of a level of size `size`, row by row, and shows them to
+/// `visit`, with their footprints; `None` where a footprint is too large for a crowd.
+pub fn with_crowd<R>(
+    map: &NormalMap,
+    size: (usize, usize),
+    first: usize,
+    count: usize,
+    visit: impl FnOnce(&mut CrowdSamples, &[Footprint]) -> R,
+) -> Option<R> {
+    let footprint = |index: usize| Footprint::new((map.width, map.height), size, (index % size.0, index / size.0));
+    let mut footprints = [footprint(first); LANES];
+    if footprints[0].len() > MOST_NORMALS {
+        return None;
+    }
+    let footprints = &mut footprints[..count.min(LANES)];
+    footprints.iter_mut().enumerate().for_each(|(lane, own)| *own = footprint(first + lane));
+    if footprints.iter().any(|footprint| footprint.len() > MOST_NORMALS) {
+        return None;
+    }
+    Some(SAMPLES.with_borrow_mut(|samples| {
+        samples.gather(map, footprints);
+        visit(samples, footprints)
+    }))
+}
+
 impl Default for CrowdSamples {
     fn default() -> Self {
         let zeros = || vec![Lanes::splat(0.0); MOST_NORMALS].into_boxed_slice();
@@ -46,7 +76,7 @@ impl Default for CrowdSamples {
 
 impl CrowdSamples {
     /// Takes in the normals of at most [`LANES`] footprints of at most [`MOST_NORMALS`] each.
-    pub fn gather(&mut self, map: &NormalMap, footprints: &[Footprint]) {
+    fn gather(&mut self, map: &NormalMap, footprints: &[Footprint]) {
         self.len = footprints.iter().map(Footprint::len).max().unwrap_or(0).min(MOST_NORMALS);
         for array in [&mut self.x, &mut self.y, &mut self.z, &mut self.w] {
             array[..self.len].fill(Lanes::splat(0.0));
@@ -105,10 +135,13 @@ impl CrowdLobes {
         }
     }
 
-    /// Sets slot `j` of a texel; [`Self::prepare`] makes it count.
-    pub fn set(&mut self, lane: usize, j: usize, alpha: f32, resultant: Vec3) {
-        self.alpha[j].0[lane] = alpha;
-        self.resultant[j].iter_mut().zip(resultant.to_array()).for_each(|(lanes, r)| lanes.0[lane] = r);
+    /// Sets one texel's mixture; [`Self::prepare`] makes it count.
+    pub fn set(&mut self, lane: usize, lobes: &TexelLobes) {
+        for j in 0..self.count.min(lobes.count) {
+            self.alpha[j].0[lane] = lobes.alpha[j] as f32;
+            let resultant = lobes.resultant[j].as_vec3().to_array();
+            self.resultant[j].iter_mut().zip(resultant).for_each(|(lanes, r)| lanes.0[lane] = r);
+        }
     }
 
     /// Works out the lobes of the E-step from weights and resultants.
@@ -140,8 +173,11 @@ impl CrowdLobes {
         }
     }
 
-    /// One texel's mixture.
-    pub fn texel(&self, lane: usize) -> TexelLobes {
+    /// One texel's mixture; `total` is the weight of its normals, and without any it is one flat lobe.
+    pub fn texel(&self, lane: usize, total: f32) -> TexelLobes {
+        if total <= 0.0 {
+            return TexelLobes::flat(self.count);
+        }
         let mut lobes = TexelLobes::empty(self.count);
         for j in 0..self.count {
             let [x, y, z] = self.resultant[j].map(|lanes| f64::from(lanes.0[lane]));
@@ -173,10 +209,11 @@ pub struct CrowdOutcome {
 }
 
 impl CrowdSamples {
-    /// One E-step and M-step of the texels in `mask`.
-    pub fn step(&mut self, lobes: &mut CrowdLobes, mask: &Mask) {
+    /// One E-step and M-step of the texels in `mask`; returns the weight of each texel's normals.
+    pub fn step(&mut self, lobes: &mut CrowdLobes, mask: &Mask) -> [f32; LANES] {
         e_step(self, lobes);
         m_step(&self.scratch.sums, lobes, mask);
+        self.scratch.sums.total.0
     }
 
     /// Runs EM, as [`super::em::fit`] does for one texel; a texel that has come to its end waits for the others.
@@ -276,5 +313,63 @@ fn m_step(sums: &LaneSums, lobes: &mut CrowdLobes, mask: &Mask) {
             }
         }
         (lobes.alpha[j], lobes.resultant[j]) = (alpha, resultant);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::vmf::em::{self, Stop};
+    use crate::filter::vmf::samples::FootprintSamples;
+    use crate::filter::vmf::seed;
+    use crate::normal_map::procedural;
+
+    /// A map of an odd size, whose footprints differ, with texels that are invalid.
+    fn map() -> NormalMap {
+        let mut map = procedural::find("plate").expect("bundled").make(45);
+        for index in (0..200).step_by(7) {
+            (map.x[index], map.y[index], map.z[index]) = (0.0, 0.0, 0.0);
+            map.invalid += 1;
+        }
+        map
+    }
+
+    #[test]
+    fn a_crowd_comes_to_what_each_texel_alone_comes_to() {
+        let map = map();
+        for (level, iterations) in [(2, 0), (2, 3), (3, 8)] {
+            let size = map.level_size(level);
+            let (first, count) = (1, LANES - 3);
+            let seed_of = |footprint: &Footprint| {
+                let (centres, count) = seed::farthest_normals(&map, footprint, 4);
+                seed::assign(&FootprintSamples::new(&map, *footprint), &centres[..count], 4)
+            };
+            with_crowd(&map, size, first, count, |samples, footprints| {
+                let mut lobes = CrowdLobes::empty(4, KappaRule::Exact);
+                footprints.iter().enumerate().for_each(|(lane, footprint)| lobes.set(lane, &seed_of(footprint)));
+                lobes.prepare();
+                let stop = CrowdStop { iterations: [iterations; LANES], tolerance: f32::NEG_INFINITY };
+                let outcome = samples.fit(&mut lobes, &stop);
+                for (lane, footprint) in footprints.iter().enumerate() {
+                    let alone = FootprintSamples::new(&map, *footprint);
+                    let stop = Stop { iterations, tolerance: f64::NEG_INFINITY };
+                    let alone = em::fit(&alone, seed_of(footprint), stop, KappaRule::Exact, || true);
+                    let off = f64::from(outcome.mean_log_likelihood[lane]) - alone.mean_log_likelihood;
+                    assert!(off.abs() < 2e-3, "level {level}, lane {lane}: {off}");
+                    let texel = lobes.texel(lane, outcome.total[lane]);
+                    let mean = |lobes: &TexelLobes| -> DVec3 {
+                        (0..4).map(|j| lobes.alpha[j] * lobes.resultant[j]).sum()
+                    };
+                    assert!((mean(&texel) - mean(&alone.lobes)).length() < 1e-5);
+                }
+            })
+            .expect("small footprints");
+        }
+    }
+
+    #[test]
+    fn a_footprint_that_is_too_large_is_no_crowd() {
+        let map = map();
+        assert!(with_crowd(&map, map.level_size(4), 0, 1, |_, _| ()).is_none());
     }
 }

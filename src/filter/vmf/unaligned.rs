@@ -14,7 +14,7 @@ use super::objective::Objective;
 use super::pyramid::{LobePyramid, MixtureLevel};
 use super::samples::{FootprintSamples, Samples};
 use super::seed::{self, Candidates};
-use super::{appearance, crowd, crowd_em, likelihood};
+use super::{appearance, crowd_em, likelihood};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Footprint;
 use crate::sphere::StoredLobe;
@@ -80,15 +80,10 @@ impl<'a> LevelFit<'a> {
     /// Fits at most [`LANES`] texels and shows each to `keep` with its place among them; returns the visits of normals
     /// that are not reported yet.
     fn fit_texels(&self, texels: Range<usize>, keep: &mut dyn FnMut(usize, &TexelFit)) -> u64 {
-        if self.settings.objective == Objective::Em && self.footprint(texels.start).len() <= crowd::MOST_NORMALS {
-            let mut footprints = [self.footprint(texels.start); LANES];
-            (footprints.iter_mut().zip(texels.clone())).for_each(|(own, index)| *own = self.footprint(index));
-            let footprints = &footprints[..texels.len()];
-            if crowd_em::serves(footprints) {
-                crowd_em::fit(self, texels.start, footprints, keep);
-                let normals: usize = footprints.iter().map(Footprint::len).sum();
-                return (normals * most_passes(self.settings)) as u64;
-            }
+        if self.settings.objective == Objective::Em
+            && let Some(normals) = crowd_em::fit(self, texels.clone(), keep)
+        {
+            return (normals * most_passes(self.settings)) as u64;
         }
         let mut visits = 0;
         for (place, index) in texels.enumerate() {
