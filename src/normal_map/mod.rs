@@ -203,4 +203,9 @@ impl NormalMap {
     pub fn level_sizes(&self) -> Vec<(usize, usize)> {
         pyramid::level_sizes(self.width, self.height)
     }
+
+    /// Width and height of one MIP level.
+    pub fn level_size(&self, level: usize) -> (usize, usize) {
+        ((self.width >> level).max(1), (self.height >> level).max(1))
+    }
 }

@@ -1,5 +1,11 @@
-//! Times the fit of a 512x512 map, J = 6, ten iterations, every texel of every level, beside a plain scalar version of
-//! the same loop, and prints the ratio of the two, pair by pair in one run. Both use every core.
+//! Times the fit, every texel of every level, J = 6:
+//!
+//! - the plain work (512 x 512, objective `em`, unaligned, ten iterations) beside a plain scalar version of the same
+//!   loop, pair by pair in one run;
+//! - what a user waits for (objective `appearance`, aligned `smooth`) beside the plain work;
+//! - the aligned fit from 256 x 256 to 4096 x 4096: time, time per pixel and level, memory.
+//!
+//! All use every core.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -18,18 +24,30 @@ const LOBES: usize = 6;
 const ITERATIONS: usize = 10;
 const PAIRS: usize = 7;
 
-/// The engine's fit, unaligned.
-fn engine(map: &Arc<NormalMap>, align: Alignment) {
-    let settings = FitSettings {
+/// The plain work: ten iterations from the usual seeds, whatever they gain.
+fn plain() -> FitSettings {
+    FitSettings {
         lobes: LOBES,
         objective: Objective::Em,
-        align,
+        align: Alignment::None,
         iterations: ITERATIONS,
         tolerance: f64::NEG_INFINITY,
-        ..Default::default()
-    };
-    let monitor = Monitor::new(expected_visits(map, &settings));
-    black_box(fit(map, &settings, &monitor, &mut |_| {})).expect("nobody cancels");
+        ..FitSettings::default()
+    }
+}
+
+/// An aligned fit as a user asks for it.
+fn aligned(objective: Objective) -> FitSettings {
+    FitSettings { lobes: LOBES, objective, align: Alignment::default(), ..FitSettings::default() }
+}
+
+/// Fits; returns the most memory in use, in bytes, as far as it is known.
+fn engine(map: &Arc<NormalMap>, settings: &FitSettings) -> usize {
+    let monitor = Monitor::new(expected_visits(map, settings));
+    let mut most = 0;
+    let mut look = |_| most = most.max(memory_stats::memory_stats().map_or(0, |memory| memory.physical_mem));
+    black_box(fit(map, settings, &monitor, &mut look)).expect("nobody cancels");
+    most
 }
 
 /// The same work as one would write it down: one normal after the other, the library's exponential.
@@ -81,22 +99,48 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
+fn waves(size: usize) -> Arc<NormalMap> {
+    Arc::new(procedural::find("waves").expect("bundled").make(size))
+}
+
+/// Prints the ratio of two works, pair by pair.
+fn compare(names: [&str; 2], first: impl Fn(), second: impl Fn()) {
+    let pairs = (0..PAIRS).map(|_| seconds(&first) / seconds(&second)).collect();
+    println!("{} : {} = {:.3} (median of {PAIRS} pairs)", names[0], names[1], median(pairs));
+}
+
+/// Prints how the aligned fit grows with the map.
+fn print_growth(objective: Objective) {
+    println!("{objective}, smooth       seconds   ns per pixel and level   MiB");
+    for size in [256, 512, 1024, 2048, 4096] {
+        let map = waves(size);
+        let mut memory = 0;
+        let seconds = seconds(|| memory = engine(&map, &aligned(objective)));
+        let work = (map.len() * map.level_sizes().len()) as f64;
+        println!("{size:5} x {size:<5} {seconds:13.3} {:24.1} {:5}", seconds / work * 1e9, memory >> 20);
+    }
+}
+
 fn main() {
-    let map = Arc::new(procedural::find("waves").expect("bundled").make(512));
+    let map = waves(512);
     let mut criterion = Criterion::default()
         .sample_size(10)
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(4))
         .without_plots()
         .configure_from_args();
-    criterion.bench_function("engine, unaligned", |bencher| bencher.iter(|| engine(&map, Alignment::None)));
-    criterion.bench_function("engine, smooth", |bencher| bencher.iter(|| engine(&map, Alignment::default())));
-    criterion.bench_function("plain scalar loop", |bencher| bencher.iter(|| scalar(&map)));
-    let ratios = |align: Alignment| {
-        let pair = |_| seconds(|| engine(&map, align)) / seconds(|| scalar(&map));
-        median((0..PAIRS).map(pair).collect())
+    let plain_work = || {
+        black_box(engine(&map, &plain()));
     };
-    println!("engine, unaligned : plain scalar loop = {:.3} (median of {PAIRS} pairs)", ratios(Alignment::None));
-    println!("engine, smooth    : plain scalar loop = {:.3} (median of {PAIRS} pairs)", ratios(Alignment::default()));
+    let scalar_work = || scalar(&map);
+    let usual_work = || {
+        black_box(engine(&map, &aligned(Objective::APPEARANCE)));
+    };
+    criterion.bench_function("plain work", |bencher| bencher.iter(plain_work));
+    criterion.bench_function("plain scalar loop", |bencher| bencher.iter(scalar_work));
+    criterion.bench_function("appearance, smooth", |bencher| bencher.iter(usual_work));
+    compare(["plain work", "plain scalar loop"], plain_work, scalar_work);
+    compare(["appearance, smooth", "plain work"], usual_work, plain_work);
+    print_growth(Objective::Em);
     criterion.final_summary();
 }

@@ -1,10 +1,14 @@
 //! The finer texels that a texel's box reaches into, with their lobes.
 
+use glam::Vec3;
+
 use super::merge::{Candidates, Criterion};
 use super::pyramid::LobePyramid;
+use super::seed;
 use super::selection;
 use crate::normal_map::pyramid::Span;
 use crate::sphere::StoredLobe;
+use crate::sphere::mixture::MAX_LOBES;
 
 /// The children of one texel.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +22,7 @@ pub struct Children<'a> {
 impl<'a> Children<'a> {
     /// The children of texel `(x, y)` of `level`; the finer level must be fitted.
     pub fn new(lobes: &'a LobePyramid, level: usize, (x, y): (usize, usize)) -> Self {
-        let sizes = lobes.map.level_sizes();
-        let (coarse, fine) = (sizes[level], sizes[level - 1]);
+        let (coarse, fine) = (lobes.map.level_size(level), lobes.map.level_size(level - 1));
         Self { lobes, level: level - 1, columns: Span::new(fine.0, coarse.0, x), rows: Span::new(fine.1, coarse.1, y) }
     }
 
@@ -41,6 +44,18 @@ impl<'a> Children<'a> {
         let mut most = 0;
         self.each(|stored, _| most = most.max(selection::used(stored)));
         most
+    }
+
+    /// At most `slots` of the directions of their lobes, each as far as can be from those before it; `candidates` is
+    /// room for the choice.
+    pub fn farthest_apart(&self, slots: usize, candidates: &mut seed::Candidates) -> ([Vec3; MAX_LOBES], usize) {
+        let mut mean = Vec3::ZERO;
+        candidates.clear();
+        self.each(|stored, _| {
+            candidates.push_stored(stored);
+            mean += seed::mean_of(stored.iter().copied());
+        });
+        candidates.farthest_apart(slots, mean)
     }
 
     /// Adds every child's lobes, their weights times the child's area.

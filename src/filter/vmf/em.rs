@@ -94,10 +94,10 @@ impl TexelLobes {
         }
     }
 
-    /// Replaces resultants by the lengths that Banerjee's kappa stands for, so that it is what is stored and shown.
-    fn settle(&mut self, rule: KappaRule) {
+    /// Resultants replaced by the lengths that Banerjee's kappa stands for, so that it is what is stored and shown.
+    pub fn settled(mut self, rule: KappaRule) -> Self {
         if rule == KappaRule::Exact {
-            return;
+            return self;
         }
         for j in 0..self.count {
             let lobe = Lobe {
@@ -108,6 +108,7 @@ impl TexelLobes {
             let stored = lobe.to_stored();
             self.resultant[j] = glam::Vec3::new(stored[1], stored[2], stored[3]).as_dvec3() / lobe.weight.max(1e-300);
         }
+        self
     }
 }
 
@@ -156,8 +157,7 @@ pub fn fit(
         let mean_log_likelihood = sums.log_likelihood / sums.total;
         let done = iterations >= stop.iterations || mean_log_likelihood - previous < stop.tolerance;
         if done || !after_iteration() {
-            lobes.settle(rule);
-            return TexelFit { lobes, mean_log_likelihood, iterations };
+            return TexelFit { lobes: lobes.settled(rule), mean_log_likelihood, iterations };
         }
         previous = mean_log_likelihood;
         lobes.m_step(&kernel, &sums);

@@ -13,13 +13,14 @@ use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
 use super::lanes::{LANES, Lanes, exp2_of_negative, halving_sum, lanes, ln_of_positive, mul_add};
+use super::lobe_lanes::LobeLanes;
 use crate::sphere::mixture::MAX_LOBES;
 
 /// Samples per block; a block's densities of all lobes stay in the first-level cache.
 pub const BLOCK: usize = 256;
 
 /// Log-density standing in for `ln 0`, far below any other, and finite so that differences stay numbers.
-const LOG_ZERO: f32 = -1e30;
+pub const LOG_ZERO: f32 = -1e30;
 
 /// The lobes of a mixture as the loop reads them.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +52,22 @@ pub struct Sums {
     pub log_likelihood: f64,
     /// `sum_i w_i`.
     pub total: f64,
+}
+
+impl Sums {
+    /// Adds the sums of a block, all lanes together.
+    #[inline(always)]
+    fn add_lanes(&mut self, lanes: &LaneSums, count: usize) {
+        for (j, lobe) in lanes.lobes.iter().enumerate().take(count) {
+            let [weight, deviation @ ..] = lobe;
+            self.weight[j] += f64::from(halving_sum(weight.0));
+            for axis in 0..3 {
+                self.deviation[j][axis] += f64::from(halving_sum(deviation[axis].0));
+            }
+        }
+        self.log_likelihood += f64::from(halving_sum(lanes.log_likelihood.0));
+        self.total += f64::from(halving_sum(lanes.total.0));
+    }
 }
 
 impl std::ops::AddAssign<&Self> for Sums {
@@ -97,17 +114,80 @@ impl<'a> SampleSlices<'a> {
     }
 }
 
-/// Densities of a block under every lobe in use, group by group and lobe by lobe.
-type Density = [Lanes; BLOCK / LANES * MAX_LOBES];
+/// Lobes that the loop can read.
+pub trait ReadLobes {
+    /// Lobes in use, at most [`MAX_LOBES`].
+    fn count(&self) -> usize;
+
+    /// Lobe `j`.
+    fn lobe(&self, j: usize) -> LobeLanes;
+}
+
+impl ReadLobes for KernelLobes {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.count.min(MAX_LOBES)
+    }
+
+    #[inline(always)]
+    fn lobe(&self, j: usize) -> LobeLanes {
+        // Not `map`: it is no part of what is compiled for the instruction set, and called for every lobe.
+        let [x, y, z] = self.mu[j];
+        LobeLanes {
+            mu: [Lanes::splat(x), Lanes::splat(y), Lanes::splat(z)],
+            factor: Lanes::splat(self.neg_half_kappa[j] * LOG2_E),
+            scale: Lanes::splat(self.log_scale[j] * LOG2_E),
+        }
+    }
+}
+
+/// The sums of an E-step over a block, lane by lane.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneSums {
+    /// `sum_i w_i z_ij`, then that times `n_i - mu_j` by axis.
+    pub lobes: [[Lanes; 4]; MAX_LOBES],
+    /// `sum_i w_i ln(density of the mixture at n_i)`.
+    pub log_likelihood: Lanes,
+    /// `sum_i w_i`.
+    pub total: Lanes,
+}
+
+impl LaneSums {
+    /// Nothing yet.
+    pub const ZERO: Self = Self {
+        lobes: [[Lanes::splat(0.0); 4]; MAX_LOBES],
+        log_likelihood: Lanes::splat(0.0),
+        total: Lanes::splat(0.0),
+    };
+
+    /// Starts anew for `count` lobes.
+    #[inline(always)]
+    pub fn clear(&mut self, count: usize) {
+        self.lobes[..count].fill([Lanes::splat(0.0); 4]);
+        (self.log_likelihood, self.total) = (Lanes::splat(0.0), Lanes::splat(0.0));
+    }
+}
+
+/// Room for an E-step: densities of a block under every lobe in use, group by group and lobe by lobe, and its sums.
+pub struct Scratch {
+    density: [Lanes; BLOCK / LANES * MAX_LOBES],
+    /// The block's sums.
+    pub sums: LaneSums,
+}
+
+impl Scratch {
+    /// Empty room.
+    pub const EMPTY: Self = Self { density: [Lanes::splat(0.0); BLOCK / LANES * MAX_LOBES], sums: LaneSums::ZERO };
+}
 
 thread_local! {
     /// One for each thread: clearing 16 KiB anew would cost as much as the E-step of a small footprint.
-    static DENSITY: RefCell<Box<Density>> = RefCell::new(Box::new([Lanes::splat(0.0); BLOCK / LANES * MAX_LOBES]));
+    static SCRATCH: RefCell<Box<Scratch>> = RefCell::new(Box::new(Scratch::EMPTY));
 }
 
 /// Adds the E-step of `samples` under `lobes` to `sums`.
 pub fn accumulate(samples: &SampleSlices, lobes: &KernelLobes, sums: &mut Sums) {
-    DENSITY.with_borrow_mut(|density| accumulate_blocks(samples, lobes, density, sums));
+    SCRATCH.with_borrow_mut(|scratch| accumulate_blocks(samples, lobes, scratch, sums));
 }
 
 #[multiversion(targets(
@@ -115,62 +195,67 @@ pub fn accumulate(samples: &SampleSlices, lobes: &KernelLobes, sums: &mut Sums) 
     "x86_64+avx+avx2+bmi1+bmi2+fma",
     "x86_64+sse4.1"
 ))]
-fn accumulate_blocks(samples: &SampleSlices, lobes: &KernelLobes, density: &mut Density, sums: &mut Sums) {
+fn accumulate_blocks(samples: &SampleSlices, lobes: &KernelLobes, scratch: &mut Scratch, sums: &mut Sums) {
     const FMA: bool = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
     for start in (0..samples.x.len()).step_by(BLOCK) {
         let block = samples.range(start, (start + BLOCK).min(samples.x.len()));
+        scratch.sums.clear(lobes.count());
         if block.spread.is_empty() {
-            accumulate_block::<FMA, false>(&block, lobes, density, sums);
+            sum_block::<FMA, false>(&block, lobes, scratch);
         } else {
-            accumulate_block::<FMA, true>(&block, lobes, density, sums);
+            sum_block::<FMA, true>(&block, lobes, scratch);
         }
+        sums.add_lanes(&scratch.sums, lobes.count());
     }
 }
 
-/// Densities first, then each lobe's sums.
+/// Adds the sums of a block of at most [`BLOCK`] samples: densities first, then each lobe's sums.
 #[inline(always)]
-fn accumulate_block<const FMA: bool, const SPREAD: bool>(
+pub fn sum_block<const FMA: bool, const SPREAD: bool>(
     samples: &SampleSlices<'_>,
-    lobes: &KernelLobes,
-    density: &mut Density,
-    sums: &mut Sums,
+    lobes: &impl ReadLobes,
+    scratch: &mut Scratch,
 ) {
-    let count = lobes.count.min(MAX_LOBES);
+    let Scratch { density, sums } = scratch;
+    let count = lobes.count();
     let groups = (samples.x.len() / LANES).min(BLOCK / LANES);
+    let mut largest = [Lanes::splat(0.0); BLOCK / LANES];
     let mut scaled = [Lanes::splat(0.0); BLOCK / LANES];
-    let mut log_likelihood = [0.0_f32; LANES];
-    let mut total = [0.0_f32; LANES];
+    for group in 0..groups {
+        let rows = &mut density[group * count..(group + 1) * count];
+        (largest[group], scaled[group]) = densities::<FMA, SPREAD>(samples, group, lobes, rows);
+    }
+    // Apart from the loop above, whose chain of operations is long enough without a logarithm and a division.
+    let mut log_likelihood = Lanes::splat(0.0);
+    let mut total = Lanes::splat(0.0);
     for group in 0..groups {
         let w = lanes(samples.w, group);
-        let rows = &mut density[group * count..(group + 1) * count];
-        let (max, sum) = densities::<FMA, SPREAD>(samples, group, lobes, rows);
+        let (max, sum) = (&largest[group].0, &mut scaled[group].0);
         for i in 0..LANES {
-            scaled[group].0[i] = w[i] / sum[i];
             let log = mul_add::<FMA>(max[i], LN_2, ln_of_positive::<FMA>(sum[i]));
-            log_likelihood[i] = mul_add::<FMA>(w[i], log, log_likelihood[i]);
-            total[i] += w[i];
+            log_likelihood.0[i] = mul_add::<FMA>(w[i], log, log_likelihood.0[i]);
+            total.0[i] += w[i];
+            sum[i] = w[i] / sum[i];
         }
     }
-    sums.log_likelihood += f64::from(halving_sum(log_likelihood));
-    sums.total += f64::from(halving_sum(total));
+    sums.log_likelihood.add(&log_likelihood);
+    sums.total.add(&total);
     for j in 0..count {
-        let [mx, my, mz] = lobes.mu[j];
-        let mut acc = [[0.0_f32; LANES]; 4];
+        let [mx, my, mz] = lobes.lobe(j).mu;
+        let mut acc = [Lanes::splat(0.0); 4];
         for group in 0..groups {
             let (x, y, z) = (lanes(samples.x, group), lanes(samples.y, group), lanes(samples.z, group));
             let (row, scaled) = (&density[group * count + j].0, &scaled[group].0);
             for i in 0..LANES {
                 let weight = row[i] * scaled[i];
-                acc[0][i] += weight;
-                acc[1][i] = mul_add::<FMA>(weight, x[i] - mx, acc[1][i]);
-                acc[2][i] = mul_add::<FMA>(weight, y[i] - my, acc[2][i]);
-                acc[3][i] = mul_add::<FMA>(weight, z[i] - mz, acc[3][i]);
+                acc[0].0[i] += weight;
+                acc[1].0[i] = mul_add::<FMA>(weight, x[i] - mx.0[i], acc[1].0[i]);
+                acc[2].0[i] = mul_add::<FMA>(weight, y[i] - my.0[i], acc[2].0[i]);
+                acc[3].0[i] = mul_add::<FMA>(weight, z[i] - mz.0[i], acc[3].0[i]);
             }
         }
-        let [weight, x, y, z] = acc.map(halving_sum);
-        sums.weight[j] += f64::from(weight);
-        for (deviation, part) in sums.deviation[j].iter_mut().zip([x, y, z]) {
-            *deviation += f64::from(part);
+        for part in 0..4 {
+            sums.lobes[j][part].add(&acc[part]);
         }
     }
 }
@@ -181,30 +266,29 @@ fn accumulate_block<const FMA: bool, const SPREAD: bool>(
 fn densities<const FMA: bool, const SPREAD: bool>(
     samples: &SampleSlices<'_>,
     group: usize,
-    lobes: &KernelLobes,
+    lobes: &impl ReadLobes,
     rows: &mut [Lanes],
-) -> ([f32; LANES], [f32; LANES]) {
+) -> (Lanes, Lanes) {
     let (x, y, z) = (lanes(samples.x, group), lanes(samples.y, group), lanes(samples.z, group));
-    let spread = if SPREAD { lanes(samples.spread, group) } else { &[0.0; LANES] };
-    let mut max = [LOG_ZERO; LANES];
+    let spread = if SPREAD { lanes(samples.spread, group) } else { [0.0; LANES] };
+    let mut max = Lanes::splat(LOG_ZERO);
     for (j, row) in rows.iter_mut().enumerate() {
-        let [mx, my, mz] = lobes.mu[j];
-        let (k, l) = (lobes.neg_half_kappa[j] * LOG2_E, lobes.log_scale[j] * LOG2_E);
+        let LobeLanes { mu: [mx, my, mz], factor, scale } = lobes.lobe(j);
         for i in 0..LANES {
-            let (dx, dy, dz) = (x[i] - mx, y[i] - my, z[i] - mz);
+            let (dx, dy, dz) = (x[i] - mx.0[i], y[i] - my.0[i], z[i] - mz.0[i]);
             let flat = if SPREAD { mul_add::<FMA>(dx, dx, spread[i]) } else { dx * dx };
             let chord = mul_add::<FMA>(dz, dz, mul_add::<FMA>(dy, dy, flat));
-            let log_density = mul_add::<FMA>(k, chord, l);
+            let log_density = mul_add::<FMA>(factor.0[i], chord, scale.0[i]);
             row.0[i] = log_density;
-            max[i] = if log_density > max[i] { log_density } else { max[i] };
+            max.0[i] = if log_density > max.0[i] { log_density } else { max.0[i] };
         }
     }
-    let mut sum = [0.0_f32; LANES];
+    let mut sum = Lanes::splat(0.0);
     for row in rows {
         for i in 0..LANES {
-            let value = exp2_of_negative::<FMA>(row.0[i] - max[i]);
+            let value = exp2_of_negative::<FMA>(row.0[i] - max.0[i]);
             row.0[i] = value;
-            sum[i] += value;
+            sum.0[i] += value;
         }
     }
     (max, sum)

@@ -10,8 +10,8 @@
 pub const LANES: usize = 16;
 
 /// One group of lanes, placed so that a load never straddles two cache lines.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
 pub struct Lanes(pub [f32; LANES]);
 
 impl Lanes {
@@ -20,14 +20,23 @@ impl Lanes {
     pub const fn splat(value: f32) -> Self {
         Self([value; LANES])
     }
+
+    /// Adds lane by lane.
+    #[inline(always)]
+    pub fn add(&mut self, other: &Self) {
+        for i in 0..LANES {
+            self.0[i] += other.0[i];
+        }
+    }
 }
 
-/// The lanes of group `group` of a slice.
+/// The lanes of group `group` of a slice, as a copy: what is behind a reference might be what the loop writes, and
+/// asking whether it is costs more than the loop.
 #[inline(always)]
-pub fn lanes(slice: &[f32], group: usize) -> &[f32; LANES] {
+pub fn lanes(slice: &[f32], group: usize) -> [f32; LANES] {
     match slice[group * LANES..].first_chunk() {
-        Some(lanes) => lanes,
-        None => &[0.0; LANES],
+        Some(lanes) => *lanes,
+        None => [0.0; LANES],
     }
 }
 
@@ -47,7 +56,7 @@ pub fn polynomial<const FMA: bool, const N: usize>(x: f32, coefficients: [f32; N
     value
 }
 
-/// `2^v` for `v <= 0`, relative error 2e-7, 0 below -126: the integer part goes to the exponent, the rest through the
+/// `2^v` for `v <= 0`, relative error 2e-7, `2^-126` below -126: the integer part goes to the exponent, the rest through the
 /// polynomial of least relative error on -1/2 .. 1/2 that is exact at 0 (9e-8 before rounding).
 #[inline(always)]
 pub fn exp2_of_negative<const FMA: bool>(v: f32) -> f32 {

@@ -20,7 +20,7 @@ const MAX_CANDIDATES: usize = 16 * MAX_LOBES;
 const SAME: f32 = 1e-10;
 
 /// Concentration at which an E-step assigns a normal to its nearest centre and to no other, ties apart.
-const HARD_KAPPA: f32 = 1e4;
+pub const HARD_KAPPA: f32 = 1e4;
 
 /// Directions to choose seeds from, kept on the stack.
 #[derive(Clone, Debug)]
@@ -36,6 +36,11 @@ impl Default for Candidates {
 }
 
 impl Candidates {
+    /// Forgets all of them.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
     /// Adds the direction of a resultant vector; one without direction, or beyond the room there is, is left out.
     pub fn push(&mut self, resultant: Vec3) {
         if let (Some(direction), true) = (resultant.try_normalize(), self.count < MAX_CANDIDATES) {

@@ -97,7 +97,7 @@ fn add_block<const FMA: bool, const SPREAD: bool>(
     for group in 0..samples.x.len() / LANES {
         let (x, y, z, w) =
             (lanes(samples.x, group), lanes(samples.y, group), lanes(samples.z, group), lanes(samples.w, group));
-        let spread = if SPREAD { lanes(samples.spread, group) } else { &[0.0; LANES] };
+        let spread = if SPREAD { lanes(samples.spread, group) } else { [0.0; LANES] };
         for i in 0..LANES {
             let (dx, dy, dz) = (x[i] - mx, y[i] - my, z[i] - mz);
             let flat = if SPREAD { mul_add::<FMA>(dx, dx, spread[i]) } else { dx * dx };
@@ -109,10 +109,10 @@ fn add_block<const FMA: bool, const SPREAD: bool>(
             acc[3][i] = mul_add::<FMA>(value, dz, acc[3][i]);
         }
     }
-    let [value, x, y, z] = acc.map(halving_sum);
-    sum.value += f64::from(value);
-    for (total, part) in sum.deviation.iter_mut().zip([x, y, z]) {
-        *total += f64::from(part);
+    let [value, deviation @ ..] = acc;
+    sum.value += f64::from(halving_sum(value));
+    for axis in 0..3 {
+        sum.deviation[axis] += f64::from(halving_sum(deviation[axis]));
     }
 }
 

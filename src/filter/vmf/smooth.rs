@@ -6,19 +6,23 @@
 //! on the texel's own normals, so `sum_j alpha_j r_j` stays the exact mean normal and interpolates exactly. It is a
 //! heuristic, not the ascent of one objective: it stops by pass count.
 
+use std::ops::Range;
+
 use glam::Vec4;
 use rayon::prelude::*;
 
+use super::crowd::{self, CrowdLobes, CrowdStop};
 use super::em::TexelLobes;
 use super::fit::{FitSettings, LevelStats};
-use super::kernel::KernelLobes;
+use super::lanes::LANES;
 use super::monitor::{Cancelled, Monitor};
 use super::pyramid::{LobePyramid, MixtureLevel};
 use super::samples::FootprintSamples;
-use super::unaligned::Totals;
+use super::unaligned::{Totals, texels_in_run};
 use crate::filter::sampling::Grid;
 use crate::normal_map::pyramid::Footprint;
 use crate::normal_map::{Addressing, NormalMap};
+use crate::sphere::StoredLobe;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 
 /// Jacobi passes per level.
@@ -48,11 +52,12 @@ pub fn fit_level(
     for pass in 0..settings.aligned_passes() {
         let share = if pass == 0 { 0.0 } else { blend };
         let job = Pass { map, coarse, previous: &current, share, settings };
-        next.stored.par_chunks_mut(settings.lobes).enumerate().try_for_each(|(index, target)| {
+        let run = texels_in_run(map, size);
+        next.stored.par_chunks_mut(settings.lobes * run).enumerate().try_for_each(|(index, target)| {
             monitor.check()?;
-            let texel = (index % size.0, index / size.0);
-            let visits = job.run(texel, target);
-            monitor.visited(level, visits);
+            let firsts = (index * run..).step_by(LANES);
+            let crowds = firsts.zip(target.chunks_mut(settings.lobes * LANES));
+            monitor.visited(level, crowds.map(|(first, target)| job.run(first, target)).sum());
             Ok(())
         })?;
         std::mem::swap(&mut current, &mut next);
@@ -102,12 +107,30 @@ struct Pass<'a> {
 }
 
 impl Pass<'_> {
+    /// Fits at most [`LANES`] texels from `first` on into `target`; returns the normals visited.
+    fn run(&self, first: usize, target: &mut [StoredLobe]) -> u64 {
+        let slots = self.settings.lobes;
+        let (size, texels) = ((self.previous.width, self.previous.height), target.len() / slots);
+        let of_crowd = crowd::with_crowd(self.map, size, first, texels, |samples, footprints| {
+            let mut lobes = CrowdLobes::empty(slots, self.settings.kappa);
+            (0..texels).for_each(|lane| lobes.set(lane, &self.mixture(first + lane)));
+            lobes.prepare();
+            let total = samples.step(&mut lobes, &[true; LANES]);
+            for (lane, target) in target.chunks_mut(slots).enumerate() {
+                lobes.texel(lane, total[lane]).store(target);
+            }
+            footprints.iter().map(Footprint::len).sum::<usize>() as u64
+        });
+        of_crowd.unwrap_or_else(|| (first..).zip(target.chunks_mut(slots)).map(|(i, t)| self.run_one(i, t)).sum())
+    }
+
     /// Fits one texel into `target`; returns the normals visited.
-    fn run(&self, texel: (usize, usize), target: &mut [[f32; 4]]) -> u64 {
+    fn run_one(&self, index: usize, target: &mut [StoredLobe]) -> u64 {
         let size = (self.previous.width, self.previous.height);
+        let texel = (index % size.0, index / size.0);
         let footprint = Footprint::new((self.map.width, self.map.height), size, texel);
         let samples = FootprintSamples::new(self.map, footprint);
-        let kernel = self.mixture(texel);
+        let kernel = self.mixture(index).for_e_step(self.settings.kappa);
         let sums = samples.e_step(&kernel);
         let mut lobes = TexelLobes::empty(target.len());
         if sums.total > 0.0 {
@@ -119,11 +142,11 @@ impl Pass<'_> {
         footprint.len() as u64
     }
 
-    /// The mixture of the E-step: own and neighbours' lobes, small weights raised.
-    fn mixture(&self, (x, y): (usize, usize)) -> KernelLobes {
+    /// The mixture of a texel's E-step: own and neighbours' lobes, small weights raised.
+    fn mixture(&self, own: usize) -> TexelLobes {
         let previous = self.previous;
+        let (x, y) = (own % previous.width, own / previous.width);
         let slots = self.settings.lobes;
-        let own = y * previous.width + x;
         let mut blended = [Vec4::ZERO; MAX_LOBES];
         let mean = if self.share > 0.0 { self.mean(x, y) } else { [Vec4::ZERO; MAX_LOBES] };
         for (slot, value) in blended.iter_mut().enumerate().take(slots) {
@@ -135,7 +158,7 @@ impl Pass<'_> {
         lobes.alpha = lobes.alpha.map(raised);
         let total: f64 = lobes.alpha.iter().sum();
         lobes.alpha.iter_mut().for_each(|alpha| *alpha /= total.max(f64::MIN_POSITIVE));
-        lobes.for_e_step(self.settings.kappa)
+        lobes
     }
 
     /// The weighted mean of the neighbours' lobes and of the coarse texels around.
@@ -178,14 +201,45 @@ pub fn likelihood(
     monitor: &Monitor,
 ) -> Result<LevelStats, Cancelled> {
     let size = (mixtures.width, mixtures.height);
-    let totals = Totals::default();
-    (0..size.0 * size.1).into_par_iter().try_for_each(|index| {
+    let run = texels_in_run(map, size);
+    let of_run = |first: usize| {
         monitor.check()?;
-        let texel = (index % size.0, index / size.0);
-        totals.add_log_likelihood(mean_log_likelihood(map, mixtures, texel, settings));
-        Ok(())
-    })?;
-    Ok(totals.stats(size.0 * size.1))
+        let mut totals = Totals::default();
+        let end = (first + run).min(size.0 * size.1);
+        for first in (first..end).step_by(LANES) {
+            add_log_likelihoods(map, mixtures, first..end.min(first + LANES), settings, &mut totals);
+        }
+        Ok(totals)
+    };
+    let runs = (0..(size.0 * size.1).div_ceil(run)).into_par_iter().map(|index| of_run(index * run));
+    Ok(runs.try_reduce(Totals::default, |a, b| Ok(a + b))?.stats())
+}
+
+/// Adds the mean log-likelihoods of at most [`LANES`] texels.
+fn add_log_likelihoods(
+    map: &NormalMap,
+    mixtures: &MixtureLevel,
+    texels: Range<usize>,
+    settings: &FitSettings,
+    totals: &mut Totals,
+) {
+    let size = (mixtures.width, mixtures.height);
+    let place = |index: usize| (index % size.0, index / size.0);
+    let of_crowd = crowd::with_crowd(map, size, texels.start, texels.len(), |samples, _| {
+        let mut lobes = CrowdLobes::empty(mixtures.lobes, settings.kappa);
+        for (lane, index) in texels.clone().enumerate() {
+            let (x, y) = place(index);
+            lobes.set(lane, &TexelLobes::from_stored(mixtures.texel(x, y)));
+        }
+        lobes.prepare();
+        samples.fit(&mut lobes, &CrowdStop { iterations: [0; LANES], tolerance: 0.0 }).mean_log_likelihood
+    });
+    match of_crowd {
+        Some(means) => means[..texels.len()].iter().for_each(|&mean| totals.add_log_likelihood(f64::from(mean))),
+        None => {
+            texels.for_each(|i| totals.add_log_likelihood(mean_log_likelihood(map, mixtures, place(i), settings)));
+        }
+    }
 }
 
 /// The mean log-likelihood of one texel's normals under its stored lobes; 0 without a valid normal.

@@ -1,6 +1,6 @@
 //! Each texel's own fit, finer level first: a texel is seeded from its children's lobes.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::ops::Range;
 
 use rayon::prelude::*;
 
@@ -8,14 +8,21 @@ use super::bins::{self, BinnedSamples};
 use super::children::Children;
 use super::em::{self, Stop, TexelFit};
 use super::fit::{FitSettings, LevelStats};
+use super::lanes::LANES;
 use super::monitor::{Cancelled, Monitor};
 use super::objective::Objective;
 use super::pyramid::{LobePyramid, MixtureLevel};
 use super::samples::{FootprintSamples, Samples};
 use super::seed::{self, Candidates};
 use super::selection::{Selection, Trials};
-use super::{appearance, likelihood};
+use super::{appearance, crowd_em, likelihood};
+use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Footprint;
+use crate::sphere::StoredLobe;
+
+/// Base texels that a run of texels covers at most, unless it is one texel: work for one thread that takes long enough
+/// to be told of, and not long.
+const RUN: usize = 4096;
 
 /// Fits one level above the base; the next finer one must be there.
 pub fn fit_level(
@@ -24,19 +31,105 @@ pub fn fit_level(
     settings: &FitSettings,
     monitor: &Monitor,
 ) -> Result<(MixtureLevel, LevelStats), Cancelled> {
-    let size = lobes.map.level_sizes()[level];
+    let map = lobes.map.as_ref();
+    let size = map.level_size(level);
+    let texels = texels_in_run(map, size);
     let mut mixtures = MixtureLevel::empty(size, settings.lobes);
-    let totals = Totals::default();
-    mixtures.stored.par_chunks_mut(settings.lobes).enumerate().try_for_each(|(index, target)| {
-        monitor.check()?;
-        let fit = fit_texel(lobes, level, (index % size.0, index / size.0), settings, monitor);
-        fit.lobes.store(target);
-        totals.add(&fit);
-        monitor.check()
-    })?;
-    let stats = totals.stats(size.0 * size.1);
+    let job = LevelFit { lobes, level, settings, monitor };
+    let runs = mixtures.stored.par_chunks_mut(settings.lobes * texels).enumerate();
+    let totals = runs.map(|(run, target)| job.run(run * texels, target)).try_reduce(Totals::default, |a, b| Ok(a + b));
+    let stats = totals?.stats();
     let chosen = settings.selection != Selection::Fixed;
     Ok((if chosen { mixtures.trimmed() } else { mixtures }, stats))
+}
+
+/// Texels of a level that are done in one go.
+pub fn texels_in_run(map: &NormalMap, (width, height): (usize, usize)) -> usize {
+    (RUN * width * height / map.len()).max(1)
+}
+
+/// Fitting one level.
+#[derive(Clone, Copy)]
+pub struct LevelFit<'a> {
+    /// The levels fitted so far.
+    pub lobes: &'a LobePyramid,
+    /// Which one is fitted.
+    pub level: usize,
+    /// How.
+    pub settings: &'a FitSettings,
+    monitor: &'a Monitor,
+}
+
+impl<'a> LevelFit<'a> {
+    /// Fits the texels from `first` on into `target`.
+    fn run(&self, first: usize, target: &mut [StoredLobe]) -> Result<Totals, Cancelled> {
+        let mut totals = Totals::default();
+        let mut visits = 0;
+        let slots = self.settings.lobes;
+        for (index, target) in (first..).step_by(LANES).zip(target.chunks_mut(slots * LANES)) {
+            self.monitor.check()?;
+            let texels = target.len() / slots;
+            let mut keep = |place: usize, fit: &TexelFit| {
+                fit.lobes.store(&mut target[place * slots..(place + 1) * slots]);
+                totals.add(fit);
+            };
+            visits += self.fit_texels(index..index + texels, &mut keep);
+        }
+        self.monitor.visited(self.level, visits);
+        self.monitor.check()?;
+        Ok(totals)
+    }
+
+    /// Fits at most [`LANES`] texels and shows each to `keep` with its place among them; returns the visits of normals
+    /// that are not reported yet.
+    fn fit_texels(&self, texels: Range<usize>, keep: &mut dyn FnMut(usize, &TexelFit)) -> u64 {
+        if (self.settings.objective, self.settings.selection) == (Objective::Em, Selection::Fixed)
+            && let Some(normals) = crowd_em::fit(self, texels.clone(), keep)
+        {
+            return (normals * most_passes(self.settings)) as u64;
+        }
+        let mut visits = 0;
+        for (place, index) in texels.enumerate() {
+            let (fit, unreported) = self.texel(index);
+            keep(place, &fit);
+            visits += unreported;
+        }
+        visits
+    }
+
+    /// The base texels of the level's texel `index`.
+    pub fn footprint(&self, index: usize) -> Footprint {
+        let map = self.lobes.map.as_ref();
+        let size = map.level_size(self.level);
+        Footprint::new((map.width, map.height), size, (index % size.0, index / size.0))
+    }
+
+    /// Its finer texels.
+    pub fn children(&self, index: usize) -> Children<'a> {
+        let width = self.lobes.map.level_size(self.level).0;
+        Children::new(self.lobes, self.level, (index % width, index / width))
+    }
+
+    /// Fits one texel; returns the visits of normals that are not reported yet.
+    fn texel(&self, index: usize) -> (TexelFit, u64) {
+        let (map, settings) = (self.lobes.map.as_ref(), self.settings);
+        let footprint = self.footprint(index);
+        let samples = FootprintSamples::new(map, footprint);
+        let children = self.children(index);
+        let mut reported = 0;
+        let trial = |lobes: usize| {
+            let settings = FitSettings { lobes, ..*settings };
+            let normals = footprint.len();
+            let mut task =
+                TexelTask { settings: &settings, normals, monitor: self.monitor, level: self.level, passes: 0 };
+            let fit = fit_trial(&samples, &children, &mut task);
+            reported += task.reported();
+            fit
+        };
+        let trials = Trials { samples: &samples, most: settings.lobes, kappa: settings.kappa, fit: trial };
+        let fit = trials.choose(settings.selection, &children);
+        (fit, ((most_passes(settings) * footprint.len()) as u64).saturating_sub(reported))
+    }
 }
 
 /// One texel's fit: how, and how far.
@@ -54,8 +147,20 @@ impl TexelTask<'_> {
     /// Counts a pass over the footprint's normals; false where the fit should end.
     pub fn visited(&mut self) -> bool {
         self.passes += 1;
-        self.monitor.visited(self.level, self.normals as u64);
+        if self.is_large() {
+            self.monitor.visited(self.level, self.normals as u64);
+        }
         !self.monitor.is_cancelled()
+    }
+
+    /// True where a single pass is worth being told of.
+    fn is_large(&self) -> bool {
+        self.normals >= RUN
+    }
+
+    /// Visits that were reported.
+    fn reported(&self) -> u64 {
+        if self.is_large() { (self.passes * self.normals) as u64 } else { 0 }
     }
 }
 
@@ -78,28 +183,12 @@ fn passes_of_trial(settings: &FitSettings) -> usize {
 pub fn fit_texel(
     lobes: &LobePyramid,
     level: usize,
-    texel: (usize, usize),
+    (x, y): (usize, usize),
     settings: &FitSettings,
     monitor: &Monitor,
 ) -> TexelFit {
-    let map = lobes.map.as_ref();
-    let sizes = map.level_sizes();
-    let footprint = Footprint::new(sizes[0], sizes[level], texel);
-    let samples = FootprintSamples::new(map, footprint);
-    let children = Children::new(lobes, level, texel);
-    let mut passes = 0;
-    let trial = |lobes: usize| {
-        let settings = FitSettings { lobes, ..*settings };
-        let mut task = TexelTask { settings: &settings, normals: footprint.len(), monitor, level, passes: 0 };
-        let fit = fit_trial(&samples, &children, &mut task);
-        passes += task.passes;
-        fit
-    };
-    let trials = Trials { samples: &samples, most: settings.lobes, kappa: settings.kappa, fit: trial };
-    let fit = trials.choose(settings.selection, &children);
-    // The passes that were expected and not needed.
-    monitor.visited(level, (most_passes(settings).saturating_sub(passes) * footprint.len()) as u64);
-    fit
+    let width = lobes.map.level_size(level).0;
+    LevelFit { lobes, level, settings, monitor }.texel(y * width + x).0
 }
 
 /// Fits one texel with as many lobes as the settings have.
@@ -144,10 +233,10 @@ fn fit_by_em(samples: &FootprintSamples<'_>, children: &Children<'_>, task: &mut
 }
 
 /// Iterations that two seeds are given before the better one goes on.
-const RACE: usize = 10;
+pub const RACE: usize = 10;
 
 /// Normals from which on a bad seed is likely enough to race two; the extremes of fewer are the children's lobes.
-const RACED: usize = 64;
+pub const RACED: usize = 64;
 
 /// Runs both seeds for a while and the one of higher likelihood to the end: a single start can end far off.
 fn race(
@@ -173,42 +262,50 @@ fn small(footprint: &Footprint, lobes: usize) -> bool {
 
 /// The seed of EM: the children's lobes, farthest apart, then one hard assignment of the texel's normals.
 fn seed_of(children: &Children<'_>, samples: &FootprintSamples<'_>, slots: usize) -> em::TexelLobes {
-    let mut candidates = Candidates::default();
-    let mut mean = glam::Vec3::ZERO;
-    children.each(|stored, _| {
-        candidates.push_stored(stored);
-        mean += seed::mean_of(stored.iter().copied());
-    });
-    let (centres, count) = candidates.farthest_apart(slots, mean);
+    let (centres, count) = children.farthest_apart(slots, &mut Candidates::default());
     seed::assign(samples, &centres[..count], slots)
 }
 
-/// Sums over texels that any thread may add to; whole numbers, so the order of adding changes nothing.
-#[derive(Default)]
+/// Sums over texels; whole numbers, so the order of adding changes nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Totals {
-    micro_log_likelihood: AtomicU64,
-    iterations: AtomicU64,
+    micro_log_likelihood: i64,
+    iterations: u64,
+    texels: u64,
 }
 
 impl Totals {
     /// Adds one texel.
-    pub fn add(&self, fit: &TexelFit) {
+    pub fn add(&mut self, fit: &TexelFit) {
         self.add_log_likelihood(fit.mean_log_likelihood);
-        self.iterations.fetch_add(fit.iterations as u64, Ordering::Relaxed);
+        self.iterations += fit.iterations as u64;
     }
 
     /// Adds one texel's mean log-likelihood.
-    pub fn add_log_likelihood(&self, mean_log_likelihood: f64) {
-        let micro = (mean_log_likelihood * 1e6).round() as i64;
-        self.micro_log_likelihood.fetch_add(micro as u64, Ordering::Relaxed);
+    pub fn add_log_likelihood(&mut self, mean_log_likelihood: f64) {
+        self.micro_log_likelihood += (mean_log_likelihood * 1e6).round() as i64;
+        self.texels += 1;
     }
 
-    /// Means over `texels` texels.
-    pub fn stats(&self, texels: usize) -> LevelStats {
+    /// Means over the texels.
+    pub fn stats(&self) -> LevelStats {
+        let texels = self.texels.max(1) as f64;
         LevelStats {
-            mean_log_likelihood: self.micro_log_likelihood.load(Ordering::Relaxed) as i64 as f64 * 1e-6 / texels as f64,
-            mean_iterations: self.iterations.load(Ordering::Relaxed) as f64 / texels as f64,
+            mean_log_likelihood: self.micro_log_likelihood as f64 * 1e-6 / texels,
+            mean_iterations: self.iterations as f64 / texels,
             ..LevelStats::default()
+        }
+    }
+}
+
+impl std::ops::Add for Totals {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            micro_log_likelihood: self.micro_log_likelihood + other.micro_log_likelihood,
+            iterations: self.iterations + other.iterations,
+            texels: self.texels + other.texels,
         }
     }
 }
