@@ -246,6 +246,7 @@ impl SurfaceFrame {
             wraps: u32::from(map.options.addressing == Addressing::Wrap),
             first_sample: self.truth_samples,
             sample_count: self.samples_due(),
+            colored: u32::from(self.textures.is_colored()),
             ..FrameData::of_surface(input.surface, size)
         };
         data.set_fold(&input.fold);

@@ -5,6 +5,7 @@
 pub mod context;
 pub mod frame;
 pub mod layout;
+pub mod map_group;
 pub mod passes;
 pub mod picture;
 pub mod readback;

@@ -7,21 +7,14 @@ use ndf_inspector::brdf::Material;
 use ndf_inspector::export::lobes_exr::{FittedLobes, read_bytes, write};
 use ndf_inspector::filter::vmf::{Alignment, FitSettings, Fold, LobePyramid, Rules};
 use ndf_inspector::filter::{Filter, LocalLight, Lookup, PlainMip, Truth, VmfFilter};
-use ndf_inspector::normal_map::albedo::Albedo;
 use ndf_inspector::normal_map::pyramid::Texel;
 use ndf_inspector::normal_map::{Addressing, MapOptions, MapSource, NormalMap};
 
 use crate::fit::fitted;
-use crate::gpu::maps::{map, noise, rough};
+use crate::gpu::maps::{map, noise, rough, with_color};
 
 const RED: Vec3 = Vec3::new(0.8, 0.1, 0.05);
 const BLUE: Vec3 = Vec3::new(0.05, 0.2, 0.9);
-
-fn with_color(map: Arc<NormalMap>, color: impl Fn(usize) -> Vec3) -> Arc<NormalMap> {
-    let mut map = Arc::unwrap_or_clone(map);
-    map.albedo = Some(Arc::new(Albedo { rgb: (0..map.len()).map(|index| color(index).to_array()).collect() }));
-    Arc::new(map)
-}
 
 /// Grooves whose sides face right, in red, and left, in blue; noise on the normals keeps the sides lobes with a width.
 fn groove() -> Arc<NormalMap> {

@@ -71,8 +71,10 @@ pub struct FrameData {
     pub first_sample: u32,
     /// Samples of the truth to add.
     pub sample_count: u32,
+    /// 1 where the map has colour.
+    pub colored: u32,
     /// Nothing.
-    pub padding: [u32; 2],
+    pub padding: u32,
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
 }

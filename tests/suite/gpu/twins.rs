@@ -76,13 +76,18 @@ fn assert_twins(scene: &Scene, method: Method, what: &str) {
     assert!(wrong * 1000 <= differences.len(), "{what}: {wrong} pixels differ");
 }
 
+/// On every shape, near and far, a map without colour and one with it.
 fn assert_twins_everywhere(method: Method) {
-    for kind in ShapeKind::ALL {
-        for distance in [1.2, 3.2, 12.0] {
-            let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 6);
-            scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
-            scene.surface.camera.distance = distance;
-            assert_twins(&scene, method, &format!("{method} on {kind:?} at {distance}"));
+    let plain = maps::rough(64, 64, Addressing::Wrap);
+    let colored = maps::with_color(plain.clone(), maps::any_color);
+    for (map, what) in [(plain, "plain"), (colored, "coloured")] {
+        for kind in ShapeKind::ALL {
+            for distance in [1.2, 3.2, 12.0] {
+                let mut scene = Scene::new(map.clone(), 6);
+                scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
+                scene.surface.camera.distance = distance;
+                assert_twins(&scene, method, &format!("{method}, {what} {kind:?} at {distance}"));
+            }
         }
     }
 }
@@ -159,7 +164,8 @@ fn every_convolution_rule_has_a_twin() {
 
 #[test]
 fn a_preview_with_fewer_lobes_has_a_twin() {
-    let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 6);
+    let map = maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color);
+    let mut scene = Scene::new(map, 6);
     scene.fold = Fold(std::array::from_fn(|slot| [0, 1, 1, 0, 4, 1][slot.min(5)]));
     for distance in [1.2, 12.0] {
         scene.surface.camera.distance = distance;
@@ -170,7 +176,7 @@ fn a_preview_with_fewer_lobes_has_a_twin() {
 
 #[test]
 fn a_fixed_level_has_a_twin_whole_or_between_two() {
-    let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 6);
+    let mut scene = Scene::new(maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color), 6);
     for level in [0.0, 0.4, 1.0, 2.7, 6.0, 9.0] {
         scene.surface.level = LevelChoice::Fixed(level);
         for method in [Method::Mip, Method::Vmf, Method::VmfUnaligned] {
