@@ -25,7 +25,7 @@ struct Frame {
     first_sample: u32,
     sample_count: u32,
     colored: u32,
-    padding: u32,
+    diffuse_rule: u32,
     fold: array<vec4u, 4>,
 }
 
@@ -35,6 +35,8 @@ const EMPTY_WEIGHT: f32 = 1e-7;
 const MAX_LOBES: u32 = 16u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
+// Exact convolutions, a layer per exponent; empty where no rule asks for them.
+@group(0) @binding(1) var exact_tables: texture_2d_array<f32>;
 
 // Mean normals of every level; the first level holds the map's own normals, zero where they are invalid.
 @group(1) @binding(0) var means: texture_2d<f32>;
@@ -78,6 +80,7 @@ fn material() -> Material {
         frame.specular,
         frame.diffuse,
         frame.convolution,
+        frame.diffuse_rule,
         frame.specular_color,
         frame.diffuse_color,
     );
@@ -223,9 +226,12 @@ fn shade_lobe(lobe: ColoredLobe, light: LocalLight, material: Material) -> vec3f
     let length = length(resultant);
     let mu = resultant / max(length, 1e-12);
     let kappa = concentration(1.0 - length);
-    let exponent = blurred_exponent(material.convolution, kappa, material.shininess);
-    let half_cosine = dot(mu, light.half_in_tangent);
-    return lobe.color * reflect(material, exponent, half_cosine, dot(mu, light.light_in_tangent));
+    let light_cosine = dot(mu, light.light_in_tangent);
+    let specular = convolved(material.convolution, kappa, material.shininess, dot(mu, light.half_in_tangent));
+    let diffuse = diffuse_cosine(material.diffuse_rule, kappa, light_cosine);
+    return lobe.color * (
+        material.specular * specular * max(light_cosine, 0.0) * material.specular_color
+        + material.diffuse * diffuse * material.diffuse_color);
 }
 
 @fragment

@@ -9,7 +9,7 @@ use super::passes::compare::{CompareData, ComparePass};
 use super::passes::surface::{FrameData, SurfacePass, Target, index};
 use super::readback::{self, ReadbackError};
 use super::textures::MapTextures;
-use crate::brdf::ConvolutionRule;
+use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::vmf::{Fold, LobePyramid};
 use crate::filter::{Method, PlainMip};
 use crate::lit_surface::{LevelChoice, LitSurface};
@@ -156,7 +156,7 @@ impl SurfaceFrame {
             .collect();
         if !due.is_empty() {
             let data = self.frame_data(input, size);
-            self.surface.prepare(device, queue, input.surface.shape.kind, &data);
+            self.surface.prepare(device, queue, input.surface, &data);
         }
         for method in due {
             self.draw_method(encoder, method, input, &mut targets);
@@ -217,6 +217,7 @@ impl SurfaceFrame {
         if !method.shows_lobes() {
             fold = Fold::default();
             surface.material.convolution = ConvolutionRule::default();
+            surface.material.diffuse_rule = DiffuseRule::default();
         }
         if method == Method::Truth {
             surface.level = LevelChoice::default();

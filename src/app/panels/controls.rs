@@ -181,7 +181,7 @@ fn material(ui: &mut Ui, surface: &mut LitSurface) {
         color(ui, "Diffuse colour", &mut material.diffuse_color);
         ui.label(RichText::new("diffuse").small().color(theme::WEAK));
     });
-    let rules = ConvolutionRule::CLOSED.map(|rule| (rule, rule.label()));
+    let rules = ConvolutionRule::ALL.map(|rule| (rule, rule.label()));
     if let Some(rule) = choice(ui, "Convolution", p::CONVOLUTION, material.convolution, &rules) {
         material.convolution = rule;
     }

@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 
-use crate::brdf::ConvolutionRule;
+use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::Method;
 use crate::filter::vmf::Fold;
+use crate::gpu::exact_tables::ExactTables;
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer};
 use crate::gpu::textures::MapTextures;
 use crate::lit_surface::{LevelChoice, LitSurface};
@@ -16,9 +17,10 @@ pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shader's parts, in order.
-pub const SHADER: [&str; 6] = [
+pub const SHADER: [&str; 7] = [
     layout::VMF,
     layout::BLINN_PHONG,
+    layout::EXACT_TABLE,
     layout::FILTER,
     layout::SAMPLING,
     layout::TRUTH,
@@ -73,8 +75,8 @@ pub struct FrameData {
     pub sample_count: u32,
     /// 1 where the map has colour.
     pub colored: u32,
-    /// Nothing.
-    pub padding: u32,
+    /// The rule for the diffuse part, by the shader's number.
+    pub diffuse_rule: u32,
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
 }
@@ -95,9 +97,13 @@ impl FrameData {
             radiance: surface.light.radiance().to_array(),
             convolution: match material.convolution {
                 ConvolutionRule::Paper => 0,
-                // The exact convolution is the processor's alone; this rule is the nearest to it.
-                ConvolutionRule::ShiftedExponent | ConvolutionRule::Exact => 1,
+                ConvolutionRule::ShiftedExponent => 1,
                 ConvolutionRule::Moment => 2,
+                ConvolutionRule::Exact => 3,
+            },
+            diffuse_rule: match material.diffuse_rule {
+                DiffuseRule::Cosine => 0,
+                DiffuseRule::Exact => 1,
             },
             specular_color: material.specular_color.to_array(),
             specular: material.specular,
@@ -121,6 +127,7 @@ impl FrameData {
 pub struct SurfacePass {
     pipelines: [wgpu::RenderPipeline; 4],
     constants: wgpu::Buffer,
+    exact_tables: ExactTables,
     frame_group: wgpu::BindGroup,
     sum_layout: wgpu::BindGroupLayout,
     meshes: HashMap<ShapeKind, MeshBuffers>,
@@ -155,7 +162,7 @@ impl SurfacePass {
     /// Compiles the pipelines of every method; `map` is the layout of group 1.
     pub fn new(device: &wgpu::Device, map: &wgpu::BindGroupLayout) -> Self {
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM]);
+        let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM, ExactTables::BINDING]);
         let sum_type = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
         let sum_layout = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[sum_type]);
         let shader = layout::shader(device, "surface", &SHADER);
@@ -165,8 +172,11 @@ impl SurfacePass {
             pipeline(device, &shader, method, used)
         });
         let constants = uniform_buffer::<FrameData>(device, "surface frame");
-        let frame_group = bind_group(device, "surface frame", &frame, &[constants.as_entire_binding()]);
-        Self { pipelines, constants, frame_group, sum_layout, meshes: HashMap::new() }
+        let exact_tables = ExactTables::new(device);
+        let tables = exact_tables.view();
+        let resources = [constants.as_entire_binding(), wgpu::BindingResource::TextureView(&tables)];
+        let frame_group = bind_group(device, "surface frame", &frame, &resources);
+        Self { pipelines, constants, exact_tables, frame_group, sum_layout, meshes: HashMap::new() }
     }
 
     /// A picture to draw into, with depth of its own.
@@ -182,9 +192,11 @@ impl SurfacePass {
         Target { depth: depth.create_view(&depth_label), as_sum, color, view }
     }
 
-    /// Writes the frame's constants and makes sure of the mesh.
-    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, kind: ShapeKind, data: &FrameData) {
+    /// Writes the frame's constants and makes sure of the mesh and of the tables that the material needs.
+    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, surface: &LitSurface, data: &FrameData) {
         queue.write_buffer(&self.constants, 0, bytemuck::bytes_of(data));
+        self.exact_tables.prepare(queue, &surface.material);
+        let kind = surface.shape.kind;
         self.meshes.entry(kind).or_insert_with(|| MeshBuffers::new(device, queue, kind));
     }
 

@@ -57,7 +57,7 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         first_sample,
         sample_count,
         colored,
-        padding,
+        diffuse_rule,
         fold,
     });
     assert_eq!(layout(&module, "Frame"), rust);

@@ -1,7 +1,7 @@
 //! The adapter's pictures equal the processor's.
 
 use glam::{Vec2, Vec3};
-use ndf_inspector::brdf::ConvolutionRule;
+use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::color::srgb8_from_linear;
 use ndf_inspector::filter::vmf::{Fold, Rules};
 use ndf_inspector::filter::{Filter, LocalLight, Lookup, Method, Truth, UnalignedVmf, VmfFilter};
@@ -151,13 +151,29 @@ fn maps_of_any_size_and_either_addressing_have_twins() {
 
 #[test]
 fn every_convolution_rule_has_a_twin() {
-    for rule in ConvolutionRule::CLOSED {
+    for rule in ConvolutionRule::ALL {
         for shininess in [1.0, 10.0, 400.0, 4000.0] {
             let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 8);
             scene.surface.material.convolution = rule;
             scene.surface.material.shininess = shininess;
             scene.surface.exposure_stops = -1.0;
             assert_twins(&scene, Method::Vmf, &format!("{} at s {shininess}", rule.label()));
+        }
+    }
+}
+
+#[test]
+fn the_exact_rules_have_twins_on_every_shape() {
+    for kind in ShapeKind::ALL {
+        for method in [Method::Vmf, Method::VmfUnaligned] {
+            let mut scene = Scene::new(maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color), 6);
+            scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
+            scene.surface.material.convolution = ConvolutionRule::Exact;
+            scene.surface.material.diffuse_rule = DiffuseRule::Exact;
+            // Low, so that the horizon is seen, where the two diffuse rules differ most.
+            scene.surface.light.elevation_deg = 15.0;
+            scene.surface.material.diffuse = 1.0;
+            assert_twins(&scene, method, &format!("{method} exactly on {kind:?}"));
         }
     }
 }
