@@ -146,7 +146,8 @@ fn truth(point: Point) -> @location(0) vec4u {
             nearest_texel(uv.x, size.x, frame.wraps != 0u),
             nearest_texel(uv.y, size.y, frame.wraps != 0u),
         );
-        let normal = textureLoad(means, texel, 0).xyz;
+        // Unit already, but where the map's finest levels are left out and these are means.
+        let normal = normalize_or_zero(textureLoad(means, texel, 0).xyz);
         let half_cosine = dot(normal, light.half_in_tangent);
         let light_cosine = dot(normal, light.light_in_tangent);
         sum += frame.radiance * color_at(texel) * reflect(material(), frame.shininess, half_cosine, light_cosine);

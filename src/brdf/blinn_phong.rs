@@ -51,6 +51,17 @@ pub enum DiffuseRule {
 }
 
 impl DiffuseRule {
+    /// Every rule, in the order they are offered.
+    pub const ALL: [Self; 2] = [Self::Cosine, Self::Exact];
+
+    /// The name to show.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Cosine => "cosine (Algorithm 2)",
+            Self::Exact => "exact",
+        }
+    }
+
     /// The lobe's `max(n . w, 0)`, for the cosine between its mean direction and the light.
     pub fn cosine(self, kappa: f64, cosine: f64) -> f64 {
         match self {

@@ -186,6 +186,15 @@ impl SurfaceFrame {
         self.textures.left_out
     }
 
+    /// Finest levels whose lobes are not shown because the adapter, or the memory set aside, cannot hold them.
+    pub fn lobes_left_out(&self) -> usize {
+        // A texture that begins with level 1 leaves nothing out: the base level is no texture of lobes.
+        match self.textures.lobe_level() {
+            1 => 0,
+            level => level,
+        }
+    }
+
     /// Finest and coarsest level that `method` reads at present; `None` while it has nothing to read.
     pub fn lod_range(&self, method: Method) -> Option<[f32; 2]> {
         match method {

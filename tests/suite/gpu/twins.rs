@@ -15,9 +15,9 @@ use std::sync::Arc;
 use super::{Scene, gpu, maps};
 
 /// Enough that one sample which falls on the other side of a texel's edge by a rounding changes less than 1/255.
-const SAMPLES: u32 = 256;
+pub(super) const SAMPLES: u32 = 256;
 
-fn on_processor(scene: &Scene, method: Method) -> Picture {
+pub(super) fn on_processor(scene: &Scene, method: Method) -> Picture {
     let map = scene.map().clone();
     let base = (map.width, map.height);
     let vmf = || VmfFilter { lobes: Arc::new(scene.lobes.clone()), fold: scene.fold, rules: Rules::default() };
@@ -31,7 +31,7 @@ fn on_processor(scene: &Scene, method: Method) -> Picture {
 }
 
 /// The adapter's picture of one method, exposed, in linear light.
-fn on_adapter(scene: &Scene, method: Method) -> Picture {
+pub(super) fn on_adapter(scene: &Scene, method: Method) -> Picture {
     let mut frame = SurfaceFrame::new(&gpu().device, PICTURE_FORMAT);
     frame.budget = FrameBudget { truth_limit: SAMPLES, truth_batch: 64, upload_bytes: 1 << 30 };
     frame.complete(gpu(), &scene.input(method)).expect("the device works");
@@ -55,21 +55,25 @@ fn differences(a: &Picture, b: &Picture) -> Vec<u8> {
 }
 
 /// Asserts that adapter and processor agree within 1/255 on 99.9 % of the pixels; prints the worst one.
-fn assert_twins(scene: &Scene, method: Method, what: &str) {
-    let (adapter, processor) = (on_adapter(scene, method), on_processor(scene, method));
+pub(super) fn assert_twins(scene: &Scene, method: Method, what: &str) {
+    assert_alike(&on_adapter(scene, method), &on_processor(scene, method), what);
+}
+
+/// The same for two pictures.
+pub(super) fn assert_alike(adapter: &Picture, processor: &Picture, what: &str) {
     let seen: Vec<Vec3> = (0..adapter.rgb.len()).filter(|&i| adapter.covered[i]).map(|i| adapter.rgb[i]).collect();
     let brightest = seen.iter().map(|c| c.max_element()).fold(0.0, f32::max);
     let darkest = seen.iter().map(|c| c.max_element()).fold(f32::MAX, f32::min);
     assert!(seen.len() > 200 && brightest > darkest + 0.02, "{what}: {} pixels, flat or black", seen.len());
-    let differences = differences(&adapter, &processor);
+    let differences = differences(adapter, processor);
     let worst = (0..differences.len()).max_by_key(|&i| differences[i]).unwrap_or(0);
     let wrong = differences.iter().filter(|&&d| d > 1).count();
     println!(
         "{what}: {wrong} of {} pixels off by more than 1/255; worst {}/255 at ({}, {}): {} against {}",
         differences.len(),
         differences[worst],
-        worst as u32 % scene.size[0],
-        worst as u32 / scene.size[0],
+        worst as u32 % adapter.size[0],
+        worst as u32 / adapter.size[0],
         adapter.rgb[worst],
         processor.rgb[worst],
     );

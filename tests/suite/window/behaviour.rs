@@ -7,6 +7,7 @@ use egui::{PointerButton, ViewportId, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use ndf_inspector::app::view_state::Layout;
+use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::filter::vmf::Fold;
 use ndf_inspector::normal_map::pyramid::Texel;
 use ndf_inspector::normal_map::{MapOptions, MapSource};
@@ -45,6 +46,24 @@ fn every_control_has_a_name_of_its_own() {
         assert!(names.len() > 30, "only {} controls: {names:?}", names.len());
         let wrong: Vec<_> = names.iter().filter(|(name, count)| name.trim().is_empty() || **count > 1).collect();
         assert!(wrong.is_empty(), "unnamed or doubled in {layout:?}: {wrong:?}");
+    }
+}
+
+#[test]
+fn every_rule_of_the_material_is_offered_by_name() {
+    let mut window = window(fitted("pyramid5", 64));
+    let mut choose = |control: &str, choice: &str| {
+        window.get_by_label(control).click();
+        window.run();
+        window.get_by_label(choice).click();
+        window.run();
+        window.state().inspector.session.surface.material
+    };
+    for rule in ConvolutionRule::ALL.into_iter().rev() {
+        assert_eq!(choose("Convolution", rule.label()).convolution, rule);
+    }
+    for rule in DiffuseRule::ALL.into_iter().rev() {
+        assert_eq!(choose("Diffuse rule", rule.label()).diffuse_rule, rule);
     }
 }
 
