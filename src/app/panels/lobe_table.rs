@@ -1,6 +1,6 @@
 //! The lobes of the selected texel in numbers, as Mikkelsen's tables have them.
 
-use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
+use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2};
 use glam::Vec3;
 
 use crate::app::texel_report::TexelFit;
@@ -84,7 +84,9 @@ fn swatch(ui: &Ui, cell: Rect, slot: usize, color: Vec3) {
     ui.painter().rect(square, 2.0, Color32::from_rgb(r, g, b), Stroke::new(1.0, theme::LINE), StrokeKind::Outside);
     let text = format!("y = {:.3}, {:.3}, {:.3} (linear RGB)", color.x, color.y, color.z);
     let response = ui.interact(cell, ui.scope_id().with(("colour", slot)), Sense::hover());
-    response.accessible_name(format!("Colour of lobe {}", slot + 1)).on_hover_text(text);
+    let name = format!("Colour of lobe {}", slot + 1);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    response.on_hover_text(text);
 }
 
 fn lobe_row(ui: &Ui, rect: Rect, slot: usize, lobe: &Lobe, color: Option<&Vec3>) {
