@@ -8,6 +8,7 @@ use std::sync::Arc;
 use super::passes::compare::{CompareData, ComparePass};
 use super::passes::surface::{FrameData, SurfacePass, Target, index};
 use super::readback::{self, ReadbackError};
+use super::surface_pipelines::Variant;
 use super::textures::MapTextures;
 use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::vmf::{Fold, LobePyramid};
@@ -157,6 +158,8 @@ impl SurfaceFrame {
         if !due.is_empty() {
             let data = self.frame_data(input, size);
             self.surface.prepare(device, queue, input.surface, &data);
+            let variant = Variant::new(self.textures.is_colored(), &input.surface.material);
+            self.surface.prepare_methods(device, &due, variant);
         }
         for method in due {
             self.draw_method(encoder, method, input, &mut targets);
@@ -256,7 +259,6 @@ impl SurfaceFrame {
             wraps: u32::from(map.options.addressing == Addressing::Wrap),
             first_sample: self.truth_samples,
             sample_count: self.samples_due(),
-            colored: u32::from(self.textures.is_colored()),
             ..FrameData::of_surface(input.surface, size)
         };
         data.set_fold(&input.fold);
