@@ -24,9 +24,16 @@ struct Frame {
     wraps: u32,
     first_sample: u32,
     sample_count: u32,
-    padding: vec2u,
+    diffuse_rule: u32,
+    padding: u32,
     fold: array<vec4u, 4>,
 }
+
+// A pipeline is made for what it is asked for: software adapters run both sides of every branch.
+// Whether the map has colour.
+override COLORED: bool = false;
+// Whether a rule needs the tables.
+override EXACT_RULES: bool = false;
 
 // Weights below this are an empty slot (sphere/mixture.rs).
 const EMPTY_WEIGHT: f32 = 1e-7;
@@ -34,6 +41,8 @@ const EMPTY_WEIGHT: f32 = 1e-7;
 const MAX_LOBES: u32 = 16u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
+// Exact convolutions, a layer per exponent; empty where no rule asks for them.
+@group(0) @binding(1) var exact_tables: texture_2d_array<f32>;
 
 // Mean normals of every level; the first level holds the map's own normals, zero where they are invalid.
 @group(1) @binding(0) var means: texture_2d<f32>;
@@ -41,7 +50,10 @@ const MAX_LOBES: u32 = 16u;
 @group(1) @binding(1) var base_slots: texture_2d<u32>;
 // Stored lobes, a layer per slot, from level 1 upward.
 @group(1) @binding(2) var lobes: texture_2d_array<f32>;
-@group(1) @binding(3) var trilinear: sampler;
+// Mean colours of every level, and the lobes' stored colours alpha y; one texel each but where `COLORED`.
+@group(1) @binding(3) var mean_colors: texture_2d<f32>;
+@group(1) @binding(4) var lobe_colors: texture_2d_array<f32>;
+@group(1) @binding(5) var trilinear: sampler;
 
 // The sum of the truth's samples so far.
 @group(2) @binding(0) var sum_so_far: texture_2d<u32>;
@@ -74,6 +86,7 @@ fn material() -> Material {
         frame.specular,
         frame.diffuse,
         frame.convolution,
+        frame.diffuse_rule,
         frame.specular_color,
         frame.diffuse_color,
     );
@@ -96,6 +109,31 @@ fn local_light(point: Point) -> LocalLight {
     return LocalLight(frame.light_in_world * world_from_tangent, half * world_from_tangent);
 }
 
+// A lobe as stored, with its stored colour alpha y; that is read only where `COLORED`.
+struct ColoredLobe {
+    stored: vec4f,
+    color: vec3f,
+}
+
+fn plus(a: ColoredLobe, b: ColoredLobe) -> ColoredLobe {
+    return ColoredLobe(a.stored + b.stored, a.color + b.color);
+}
+
+// The mean colour of a texel; white where the map has no colour.
+fn color_at(texel: vec2i) -> vec3f {
+    if COLORED {
+        return textureLoad(mean_colors, texel, 0).rgb;
+    }
+    return vec3f(1.0);
+}
+
+// A base texel as a lobe: (1, n), empty where it is invalid.
+fn base_lobe(texel: vec2i) -> ColoredLobe {
+    let normal = textureLoad(means, texel, 0).xyz;
+    let weight = select(0.0, 1.0, any(normal != vec3f(0.0)));
+    return ColoredLobe(vec4f(weight, normal), weight * color_at(texel));
+}
+
 // The texel of a seen surface.
 fn seen(color: vec3f) -> vec4u {
     return bitcast<vec4u>(vec4f(color, 1.0));
@@ -114,10 +152,11 @@ fn truth(point: Point) -> @location(0) vec4u {
             nearest_texel(uv.x, size.x, frame.wraps != 0u),
             nearest_texel(uv.y, size.y, frame.wraps != 0u),
         );
-        let normal = textureLoad(means, texel, 0).xyz;
+        // Unit already, but where the map's finest levels are left out and these are means.
+        let normal = normalize_or_zero(textureLoad(means, texel, 0).xyz);
         let half_cosine = dot(normal, light.half_in_tangent);
         let light_cosine = dot(normal, light.light_in_tangent);
-        sum += frame.radiance * reflect(material(), frame.shininess, half_cosine, light_cosine);
+        sum += frame.radiance * color_at(texel) * reflect(material(), frame.shininess, half_cosine, light_cosine);
     }
     return seen(sum);
 }
@@ -130,12 +169,17 @@ fn mip(point: Point) -> @location(0) vec4u {
     let normal = normalize_or_zero(textureSampleLevel(means, trilinear, lookup.uv, lod - frame.base_level).xyz);
     let half_cosine = dot(normal, light.half_in_tangent);
     let light_cosine = dot(normal, light.light_in_tangent);
-    return seen(frame.radiance * reflect(material(), frame.shininess, half_cosine, light_cosine));
+    var color = vec3f(1.0);
+    if COLORED {
+        color = textureSampleLevel(mean_colors, trilinear, lookup.uv, lod - frame.base_level).rgb;
+    }
+    return seen(frame.radiance * color * reflect(material(), frame.shininess, half_cosine, light_cosine));
 }
 
 // The base texels around a point, each a lobe (1, n) in a slot of its own.
 struct BaseTaps {
-    lobe: array<vec4f, 4>,
+    stored: array<vec4f, 4>,
+    color: array<vec3f, 4>,
     slot: vec4u,
 }
 
@@ -144,9 +188,9 @@ fn base_taps(uv: vec2f) -> BaseTaps {
     let taps = bilinear(uv, vec2i(textureDimensions(means)), frame.wraps != 0u);
     var texels = taps.texel;
     for (var i = 0; i < 4; i++) {
-        let normal = textureLoad(means, texels[i], 0).xyz;
-        let valid = select(0.0, 1.0, any(normal != vec3f(0.0)));
-        result.lobe[i] = taps.weight[i] * vec4f(valid, normal);
+        let lobe = base_lobe(texels[i]);
+        result.stored[i] = taps.weight[i] * lobe.stored;
+        result.color[i] = taps.weight[i] * lobe.color;
         result.slot[i] = fold(textureLoad(base_slots, texels[i], 0).r);
     }
     return result;
@@ -158,37 +202,49 @@ fn fold(slot: u32) -> u32 {
 }
 
 // The interpolated channels of every slot that folds into `target_slot`, from level 1 upward.
-fn coarse_lobe(uv: vec2f, lod: f32, target_slot: u32) -> vec4f {
-    var stored = vec4f(0.0);
+fn coarse_slot(uv: vec2f, lod: f32, target_slot: u32) -> ColoredLobe {
+    var sum = ColoredLobe();
     for (var slot = 0u; slot < frame.lobes; slot++) {
         if fold(slot) == target_slot {
-            stored += textureSampleLevel(lobes, trilinear, uv, slot, lod - frame.lobe_level);
+            let stored = textureSampleLevel(lobes, trilinear, uv, slot, lod - frame.lobe_level);
+            var color = vec3f(0.0);
+            if COLORED {
+                color = textureSampleLevel(lobe_colors, trilinear, uv, slot, lod - frame.lobe_level).rgb;
+            }
+            sum = plus(sum, ColoredLobe(stored, color));
         }
     }
-    return stored;
+    return sum;
 }
 
-fn base_lobe(base: BaseTaps, target_slot: u32) -> vec4f {
-    var stored = vec4f(0.0);
+// The same of the base level.
+fn base_slot(base: BaseTaps, target_slot: u32) -> ColoredLobe {
+    var sum = ColoredLobe();
     var taps = base;
     for (var i = 0; i < 4; i++) {
         if taps.slot[i] == target_slot {
-            stored += taps.lobe[i];
+            sum = plus(sum, ColoredLobe(taps.stored[i], taps.color[i]));
         }
     }
-    return stored;
+    return sum;
 }
 
-// alpha (Ks Bs(w_h . mu) + Kd) cos of one stored lobe (Han et al. 2007, Algorithm 2), linear RGB.
-fn shade_lobe(stored: vec4f, light: LocalLight, material: Material) -> vec3f {
-    let weight = stored.x;
-    let resultant = stored.yzw / weight;
+// y alpha (Ks Bs(w_h . mu) + Kd) cos of one stored lobe (Han et al. 2007, Algorithm 2), linear RGB.
+fn shade_lobe(lobe: ColoredLobe, light: LocalLight, material: Material) -> vec3f {
+    let resultant = lobe.stored.yzw / lobe.stored.x;
     let length = length(resultant);
     let mu = resultant / max(length, 1e-12);
     let kappa = concentration(1.0 - length);
-    let exponent = blurred_exponent(material.convolution, kappa, material.shininess);
-    let half_cosine = dot(mu, light.half_in_tangent);
-    return weight * reflect(material, exponent, half_cosine, dot(mu, light.light_in_tangent));
+    let light_cosine = dot(mu, light.light_in_tangent);
+    let specular = convolved(material.convolution, kappa, material.shininess, dot(mu, light.half_in_tangent));
+    let diffuse = diffuse_cosine(material.diffuse_rule, kappa, light_cosine);
+    var color = vec3f(lobe.stored.x);
+    if COLORED {
+        color = lobe.color;
+    }
+    return color * (
+        material.specular * specular * max(light_cosine, 0.0) * material.specular_color
+        + material.diffuse * diffuse * material.diffuse_color);
 }
 
 @fragment
@@ -204,15 +260,17 @@ fn vmf(point: Point) -> @location(0) vec4u {
     }
     var sum = vec3f(0.0);
     for (var slot = 0u; slot < frame.lobes; slot++) {
-        var stored = vec4f(0.0);
+        var lobe = ColoredLobe();
         if base_share < 1.0 {
-            stored = (1.0 - base_share) * coarse_lobe(lookup.uv, max(lod, 1.0), slot);
+            let coarse = coarse_slot(lookup.uv, max(lod, 1.0), slot);
+            lobe = ColoredLobe((1.0 - base_share) * coarse.stored, (1.0 - base_share) * coarse.color);
         }
         if base_share > 0.0 {
-            stored += base_share * base_lobe(base, slot);
+            let fine = base_slot(base, slot);
+            lobe = plus(lobe, ColoredLobe(base_share * fine.stored, base_share * fine.color));
         }
-        if stored.x > EMPTY_WEIGHT {
-            sum += shade_lobe(stored, light, material());
+        if lobe.stored.x > EMPTY_WEIGHT {
+            sum += shade_lobe(lobe, light, material());
         }
     }
     return seen(frame.radiance * sum);
@@ -221,13 +279,17 @@ fn vmf(point: Point) -> @location(0) vec4u {
 // What the lobes of one texel reflect, slots folded before they are shaded.
 fn shade_texel(texel: vec2i, level: i32, light: LocalLight, material: Material) -> vec3f {
     var folded = array<vec4f, MAX_LOBES>();
+    var colors = array<vec3f, MAX_LOBES>();
     for (var slot = 0u; slot < frame.lobes; slot++) {
         folded[fold(slot)] += textureLoad(lobes, texel, slot, level);
+        if COLORED {
+            colors[fold(slot)] += textureLoad(lobe_colors, texel, slot, level).rgb;
+        }
     }
     var sum = vec3f(0.0);
     for (var slot = 0u; slot < frame.lobes; slot++) {
         if folded[slot].x > EMPTY_WEIGHT {
-            sum += shade_lobe(folded[slot], light, material);
+            sum += shade_lobe(ColoredLobe(folded[slot], colors[slot]), light, material);
         }
     }
     return sum;
@@ -247,10 +309,10 @@ fn shade_around(uv: vec2f, level: i32, light: LocalLight, material: Material) ->
             sum += taps.weight[i] * shade_texel(taps.texel[i], level - i32(frame.lobe_level), light, material);
             continue;
         }
-        // A base texel is one lobe (1, n), whichever slot it sits in.
-        let normal = textureLoad(means, taps.texel[i], 0).xyz;
-        if any(normal != vec3f(0.0)) {
-            sum += taps.weight[i] * shade_lobe(vec4f(1.0, normal), light, material);
+        // A base texel is one lobe, whichever slot it sits in.
+        let lobe = base_lobe(taps.texel[i]);
+        if lobe.stored.x > 0.0 {
+            sum += taps.weight[i] * shade_lobe(lobe, light, material);
         }
     }
     return sum;

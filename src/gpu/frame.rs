@@ -8,8 +8,9 @@ use std::sync::Arc;
 use super::passes::compare::{CompareData, ComparePass};
 use super::passes::surface::{FrameData, SurfacePass, Target, index};
 use super::readback::{self, ReadbackError};
+use super::surface_pipelines::Variant;
 use super::textures::MapTextures;
-use crate::brdf::ConvolutionRule;
+use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::vmf::{Fold, LobePyramid};
 use crate::filter::{Method, PlainMip};
 use crate::lit_surface::{LevelChoice, LitSurface};
@@ -156,7 +157,9 @@ impl SurfaceFrame {
             .collect();
         if !due.is_empty() {
             let data = self.frame_data(input, size);
-            self.surface.prepare(device, queue, input.surface.shape.kind, &data);
+            self.surface.prepare(device, queue, input.surface, &data);
+            let variant = Variant::new(self.textures.is_colored(), &input.surface.material);
+            self.surface.prepare_methods(device, &due, variant);
         }
         for method in due {
             self.draw_method(encoder, method, input, &mut targets);
@@ -184,6 +187,15 @@ impl SurfaceFrame {
     /// Finest levels of the map that are not shown because the adapter cannot hold them.
     pub fn left_out(&self) -> usize {
         self.textures.left_out
+    }
+
+    /// Finest levels whose lobes are not shown because the adapter, or the memory set aside, cannot hold them.
+    pub fn lobes_left_out(&self) -> usize {
+        // A texture that begins with level 1 leaves nothing out: the base level is no texture of lobes.
+        match self.textures.lobe_level() {
+            1 => 0,
+            level => level,
+        }
     }
 
     /// Finest and coarsest level that `method` reads at present; `None` while it has nothing to read.
@@ -217,6 +229,7 @@ impl SurfaceFrame {
         if !method.shows_lobes() {
             fold = Fold::default();
             surface.material.convolution = ConvolutionRule::default();
+            surface.material.diffuse_rule = DiffuseRule::default();
         }
         if method == Method::Truth {
             surface.level = LevelChoice::default();

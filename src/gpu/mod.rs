@@ -3,11 +3,14 @@
 //! Nothing in here knows the window: the window's viewport and the command line record the same frame.
 
 pub mod context;
+pub mod exact_tables;
 pub mod frame;
 pub mod layout;
+pub mod map_group;
 pub mod passes;
 pub mod picture;
 pub mod readback;
+pub mod surface_pipelines;
 pub mod textures;
 pub mod upload;
 

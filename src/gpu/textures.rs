@@ -4,16 +4,16 @@
 //! - `base_slots`: the slot of each base texel's only lobe, 8 bits.
 //! - `lobes`: one array texture, a layer per slot, whose first MIP level is the map's level 1: the base level as
 //!   lobes would be empty but for one slot a texel, so the shader blends the base normals in by hand.
+//! - `mean_colors` and `lobe_colors`: the same for colours, half as large again; one texel for a map without colour.
 //!
 //! Levels too large for the adapter or for the memory set aside are left out, the finest first.
 
 use std::sync::Arc;
 
-use super::layout::{bind_group, bind_group_layout, texture};
+use super::map_group::{COLOR_FORMAT, MapGroup, create, first_that_fits, float_format, padded_layers};
 use super::upload::{Source, UploadQueue};
 use crate::filter::PlainMip;
-use crate::filter::vmf::{BaseSlots, LobePyramid, MixtureLevel};
-use crate::normal_map::Addressing;
+use crate::filter::vmf::{BaseSlots, ColorLevel, LobePyramid, MixtureLevel};
 
 /// Memory set aside for mean normals: just enough for 8192 x 8192 in 32 bits a channel.
 const MEANS_BYTES: u64 = 3 << 29;
@@ -26,13 +26,11 @@ pub struct MapTextures {
     device: wgpu::Device,
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
-    means: wgpu::Texture,
-    base_slots: wgpu::Texture,
-    lobes: wgpu::Texture,
+    group: MapGroup,
     uploads: UploadQueue,
     mip: Option<Arc<PlainMip>>,
     slots_held: Option<Arc<BaseSlots>>,
-    lobes_held: Vec<Option<Arc<MixtureLevel>>>,
+    lobes_held: Vec<Option<HeldLevel>>,
     means_complete: Vec<bool>,
     lobes_complete: Vec<bool>,
     slots: usize,
@@ -47,21 +45,44 @@ pub struct MapTextures {
     pub lobes_revision: u64,
 }
 
+/// A level's lobes, and their colours once they are fitted; the lobes are white until then.
+#[derive(Clone, Debug)]
+struct HeldLevel {
+    mixtures: Arc<MixtureLevel>,
+    colors: Option<Arc<ColorLevel>>,
+}
+
+impl HeldLevel {
+    fn of(pyramid: &LobePyramid, level: usize) -> Option<Self> {
+        let colors = pyramid.colors.get(level - 1).cloned().flatten();
+        pyramid.level(level).map(|mixtures| Self { mixtures: Arc::clone(mixtures), colors })
+    }
+
+    fn has_lobes_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.mixtures, &other.mixtures)
+    }
+
+    fn is(&self, other: &Self) -> bool {
+        let same = match (&self.colors, &other.colors) {
+            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
+            (None, None) => true,
+            _ => false,
+        };
+        same && self.has_lobes_of(other)
+    }
+}
+
 impl MapTextures {
     /// Textures of no map.
     pub fn new(device: &wgpu::Device) -> Self {
-        let means = create(device, "mean normals", (1, 1, 1), 1, float_format(device));
-        let base_slots = create(device, "base slots", (1, 1, 1), 1, wgpu::TextureFormat::R8Uint);
-        let lobes = create(device, "lobes", (1, 1, 2), 1, float_format(device));
-        let layout = map_layout(device);
-        let bind_group = bind(device, &layout, [&means, &base_slots, &lobes], Addressing::Wrap);
+        let group = MapGroup::empty(device);
+        let layout = MapGroup::layout(device);
+        let bind_group = group.bind(device, &layout, Default::default());
         Self {
             device: device.clone(),
             layout,
             bind_group,
-            means,
-            base_slots,
-            lobes,
+            group,
             uploads: UploadQueue::default(),
             mip: None,
             slots_held: None,
@@ -82,7 +103,7 @@ impl MapTextures {
         &self.layout
     }
 
-    /// Group 1: means, base slots, lobes, sampler.
+    /// Group 1: the textures and their sampler.
     pub fn bind_group(&self) -> &wgpu::BindGroup {
         &self.bind_group
     }
@@ -97,6 +118,11 @@ impl MapTextures {
         self.lobe_level
     }
 
+    /// True for a map with colour.
+    pub fn is_colored(&self) -> bool {
+        self.mip.as_ref().is_some_and(|mip| !mip.colors.is_empty())
+    }
+
     /// Bytes not uploaded yet.
     pub fn pending_bytes(&self) -> u64 {
         self.uploads.pending_bytes()
@@ -109,22 +135,35 @@ impl MapTextures {
         }
         let sizes = mip.map.level_sizes();
         let format = float_format(&self.device);
-        self.left_out = first_that_fits(&self.device, &sizes, 0, 1, MEANS_BYTES, format);
-        let (w, h) = sizes[self.left_out];
-        self.means = create(&self.device, "mean normals", (w, h, 1), sizes.len() - self.left_out, format);
-        let slots_size = if self.left_out == 0 { (w, h, 1) } else { (1, 1, 1) };
-        self.base_slots = create(&self.device, "base slots", slots_size, 1, wgpu::TextureFormat::R8Uint);
-        self.uploads = UploadQueue::default();
-        for level in (self.left_out..sizes.len()).rev() {
-            let source = Source::Means { mip: mip.clone(), level };
-            self.uploads.push(&self.means, (level - self.left_out) as u32, source);
-        }
         self.mip = Some(mip.clone());
+        self.left_out = first_that_fits(&self.device, &sizes, 0, 1, MEANS_BYTES, format);
+        if self.left_out > 0 {
+            log::warn!("the graphics adapter cannot hold the map's finest {} levels: left out", self.left_out);
+        }
+        let (w, h) = sizes[self.left_out];
+        let levels = sizes.len() - self.left_out;
+        self.group.means = create(&self.device, "mean normals", (w, h, 1), levels, format);
+        let slots_size = if self.left_out == 0 { (w, h, 1) } else { (1, 1, 1) };
+        self.group.base_slots = create(&self.device, "base slots", slots_size, 1, wgpu::TextureFormat::R8Uint);
+        let (color_size, color_levels) = if self.is_colored() { ((w, h, 1), levels) } else { ((1, 1, 1), 1) };
+        self.group.mean_colors = create(&self.device, "mean colours", color_size, color_levels, COLOR_FORMAT);
+        self.upload_means(mip);
         self.slots_held = None;
         self.means_complete = vec![false; sizes.len()];
         self.map_revision += 1;
         self.means_revision += 1;
         self.set_slot_count(0);
+    }
+
+    fn upload_means(&mut self, mip: &Arc<PlainMip>) {
+        self.uploads = UploadQueue::default();
+        for level in (self.left_out..mip.levels.len()).rev() {
+            let target = (level - self.left_out) as u32;
+            self.uploads.push(&self.group.means, target, Source::Means { mip: mip.clone(), level });
+            if self.is_colored() {
+                self.uploads.push(&self.group.mean_colors, target, Source::MeanColors { mip: mip.clone(), level });
+            }
+        }
     }
 
     /// Takes up the lobes at hand: levels that are not yet held are uploaded, the coarsest first.
@@ -137,7 +176,7 @@ impl MapTextures {
             self.set_slot_count(pyramid.lobes());
         }
         for level in (self.lobe_level..pyramid.levels()).rev() {
-            self.set_level(level, pyramid.coarse[level - 1].as_ref());
+            self.set_level(level, HeldLevel::of(pyramid, level));
         }
         let same = match (&self.slots_held, &pyramid.base) {
             (Some(held), Some(base)) => Arc::ptr_eq(held, base),
@@ -146,25 +185,38 @@ impl MapTextures {
         };
         if !same && self.left_out == 0 {
             self.slots_held.clone_from(&pyramid.base);
-            self.uploads.push(&self.base_slots, 0, Source::Slots(pyramid.base.clone()));
+            self.uploads.push(&self.group.base_slots, 0, Source::Slots(pyramid.base.clone()));
         }
     }
 
-    fn set_level(&mut self, level: usize, mixtures: Option<&Arc<MixtureLevel>>) {
-        match (mixtures, &self.lobes_held[level]) {
+    fn set_level(&mut self, level: usize, lobes: Option<HeldLevel>) {
+        let held = self.lobes_held[level].take();
+        match (&lobes, &held) {
             (None, None) => {}
             (None, Some(_)) => {
-                self.lobes_held[level] = None;
                 self.lobes_complete[level] = false;
-                self.uploads.forget(|source| matches!(source, Source::Lobes { level: l, .. } if *l == level));
+                self.uploads.forget(|source| source.is_lobes_of(level));
                 self.lobes_revision += 1;
             }
-            (Some(new), Some(held)) if Arc::ptr_eq(new, held) => {}
-            (Some(new), _) => {
-                self.lobes_held[level] = Some(new.clone());
-                let source = Source::Lobes { mixtures: new.clone(), level };
-                self.uploads.push(&self.lobes, (level - self.lobe_level) as u32, source);
+            (Some(new), Some(held)) if new.is(held) => {}
+            (Some(new), held) => {
+                let same_lobes = held.as_ref().is_some_and(|held| new.has_lobes_of(held));
+                self.upload_lobes(level, new, same_lobes);
             }
+        }
+        self.lobes_held[level] = lobes;
+    }
+
+    /// Colours follow their lobes, so that a level is complete with its colours.
+    fn upload_lobes(&mut self, level: usize, new: &HeldLevel, only_colors: bool) {
+        let target = (level - self.lobe_level) as u32;
+        if !only_colors {
+            let source = Source::Lobes { mixtures: new.mixtures.clone(), level };
+            self.uploads.push(&self.group.lobes, target, source);
+        }
+        if self.is_colored() {
+            let source = Source::LobeColors { mixtures: new.mixtures.clone(), colors: new.colors.clone(), level };
+            self.uploads.push(&self.group.lobe_colors, target, source);
         }
     }
 
@@ -177,25 +229,29 @@ impl MapTextures {
         self.lobe_level = first_that_fits(&self.device, &sizes, 1.max(self.left_out), layers, LOBES_BYTES, format);
         let (w, h) = sizes.get(self.lobe_level).copied().unwrap_or((1, 1));
         let levels = sizes.len().saturating_sub(self.lobe_level).max(1);
-        self.lobes = create(&self.device, "lobes", (w, h, layers), levels, format);
+        self.group.lobes = create(&self.device, "lobes", (w, h, layers), levels, format);
+        let (color_size, color_levels) = if self.is_colored() { ((w, h, layers), levels) } else { ((1, 1, 2), 1) };
+        self.group.lobe_colors = create(&self.device, "lobe colours", color_size, color_levels, COLOR_FORMAT);
         self.lobes_held = vec![None; sizes.len()];
         self.lobes_complete = vec![false; sizes.len()];
         self.lobes_revision += 1;
-        self.uploads.forget(|source| matches!(source, Source::Lobes { .. }));
-        let textures = [&self.means, &self.base_slots, &self.lobes];
-        self.bind_group = bind(&self.device, &self.layout, textures, mip.map.options.addressing);
+        self.uploads.forget(|source| (0..sizes.len()).any(|level| source.is_lobes_of(level)));
+        self.bind_group = self.group.bind(&self.device, &self.layout, mip.map.options.addressing);
     }
 
     /// Uploads about `budget` bytes and returns how many are left.
     pub fn pump(&mut self, queue: &wgpu::Queue, budget: u64) -> u64 {
+        let colored = self.is_colored();
         for complete in self.uploads.pump(queue, budget) {
             match complete {
-                Source::Means { level, .. } => {
+                // Complete with the colours, which follow.
+                Source::Means { .. } | Source::Lobes { .. } if colored => {}
+                Source::Means { level, .. } | Source::MeanColors { level, .. } => {
                     self.means_complete[level] = true;
                     self.means_revision += 1;
                 }
                 Source::Slots(_) => self.lobes_revision += 1,
-                Source::Lobes { level, .. } => {
+                Source::Lobes { level, .. } | Source::LobeColors { level, .. } => {
                     self.lobes_complete[level] = true;
                     self.lobes_revision += 1;
                 }
@@ -233,116 +289,9 @@ fn complete_run(complete: &[bool], finest: usize) -> Option<[f32; 2]> {
     Some([first as f32, last as f32])
 }
 
-/// Layers for `slots`: at least 2 and never a multiple of 6, because GL takes such an array for a cube map.
-fn padded_layers(slots: usize) -> usize {
-    let layers = slots.max(2);
-    if layers.is_multiple_of(6) { layers + 1 } else { layers }
-}
-
-/// The first level from `finest` on that the adapter's textures and `bytes` of memory can hold with all coarser ones.
-fn first_that_fits(
-    device: &wgpu::Device,
-    sizes: &[(usize, usize)],
-    finest: usize,
-    layers: usize,
-    bytes: u64,
-    format: wgpu::TextureFormat,
-) -> usize {
-    let limit = device.limits().max_texture_dimension_2d as usize;
-    let texel = u64::from(format.block_copy_size(None).unwrap_or(16)) * layers as u64;
-    let needed = |from: usize| sizes[from..].iter().map(|(w, h)| (w * h) as u64 * texel).sum::<u64>();
-    let fits = |level: &usize| sizes[*level].0.max(sizes[*level].1) <= limit && needed(*level) <= bytes;
-    (finest..sizes.len()).find(fits).unwrap_or(finest)
-}
-
-/// 32-bit floats where they can be filtered, else 16-bit ones.
-fn float_format(device: &wgpu::Device) -> wgpu::TextureFormat {
-    if device.features().contains(wgpu::Features::FLOAT32_FILTERABLE) {
-        wgpu::TextureFormat::Rgba32Float
-    } else {
-        wgpu::TextureFormat::Rgba16Float
-    }
-}
-
-fn create(
-    device: &wgpu::Device,
-    label: &str,
-    (width, height, layers): (usize, usize, usize),
-    levels: usize,
-    format: wgpu::TextureFormat,
-) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: layers as u32 },
-        mip_level_count: levels as u32,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    })
-}
-
-fn map_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    use wgpu::{TextureSampleType as Sample, TextureViewDimension as View};
-    let float = Sample::Float { filterable: true };
-    let types = [
-        texture(float, View::D2),
-        texture(Sample::Uint, View::D2),
-        texture(float, View::D2Array),
-        wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-    ];
-    bind_group_layout(device, "map", wgpu::ShaderStages::FRAGMENT, &types)
-}
-
-fn bind(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    [means, base_slots, lobes]: [&wgpu::Texture; 3],
-    addressing: Addressing,
-) -> wgpu::BindGroup {
-    let view = |label, texture: &wgpu::Texture, dimension| {
-        let descriptor =
-            wgpu::TextureViewDescriptor { label: Some(label), dimension: Some(dimension), ..Default::default() };
-        texture.create_view(&descriptor)
-    };
-    let flat = wgpu::TextureViewDimension::D2;
-    let resources = [
-        wgpu::BindingResource::TextureView(&view("mean normals", means, flat)),
-        wgpu::BindingResource::TextureView(&view("base slots", base_slots, flat)),
-        wgpu::BindingResource::TextureView(&view("lobes", lobes, wgpu::TextureViewDimension::D2Array)),
-        wgpu::BindingResource::Sampler(&sampler(device, addressing)),
-    ];
-    bind_group(device, "map", layout, &resources)
-}
-
-fn sampler(device: &wgpu::Device, addressing: Addressing) -> wgpu::Sampler {
-    let mode = match addressing {
-        Addressing::Wrap => wgpu::AddressMode::Repeat,
-        Addressing::Clamp => wgpu::AddressMode::ClampToEdge,
-    };
-    device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some("trilinear"),
-        address_mode_u: mode,
-        address_mode_v: mode,
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        mipmap_filter: wgpu::MipmapFilterMode::Linear,
-        ..Default::default()
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_array_never_has_the_layers_of_a_cube() {
-        for slots in 0..=16 {
-            let layers = padded_layers(slots);
-            assert!(layers >= slots.max(2) && !layers.is_multiple_of(6), "{slots}: {layers}");
-        }
-    }
 
     #[test]
     fn the_levels_shown_are_the_run_up_to_the_coarsest_complete_one() {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use half::f16;
 
 use crate::filter::PlainMip;
-use crate::filter::vmf::{BaseSlots, MixtureLevel};
+use crate::filter::vmf::{BaseSlots, ColorLevel, MixtureLevel};
 
 /// Where the texels come from, and what is complete once they are there.
 #[derive(Clone, Debug)]
@@ -27,12 +27,35 @@ pub enum Source {
         /// The map's level.
         level: usize,
     },
+    /// The mean colours of one level of the map.
+    MeanColors {
+        /// The means.
+        mip: Arc<PlainMip>,
+        /// The map's level.
+        level: usize,
+    },
+    /// The stored colours `alpha y` of one level's lobes, a layer per slot; `alpha`, for white, for `None`.
+    LobeColors {
+        /// The lobes.
+        mixtures: Arc<MixtureLevel>,
+        /// Their colours.
+        colors: Option<Arc<ColorLevel>>,
+        /// The map's level.
+        level: usize,
+    },
 }
 
 impl Source {
+    /// True for the lobes of a level and for their colours.
+    pub fn is_lobes_of(&self, of_level: usize) -> bool {
+        matches!(self, Self::Lobes { level, .. } | Self::LobeColors { level, .. } if *level == of_level)
+    }
+
     fn is_same_target(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Means { level, .. }, Self::Means { level: other, .. })
+            | (Self::MeanColors { level, .. }, Self::MeanColors { level: other, .. })
+            | (Self::LobeColors { level, .. }, Self::LobeColors { level: other, .. })
             | (Self::Lobes { level, .. }, Self::Lobes { level: other, .. }) => level == other,
             (Self::Slots(_), Self::Slots(_)) => true,
             _ => false,
@@ -45,7 +68,13 @@ impl Source {
             Self::Means { mip, level } => mip.levels[*level][index].extend(0.0).to_array(),
             Self::Slots(_) => [0.0; 4],
             Self::Lobes { mixtures, .. } if layer < mixtures.lobes => mixtures.stored[index * mixtures.lobes + layer],
-            Self::Lobes { .. } => [0.0; 4],
+            Self::MeanColors { mip, level } => mip.colors[*level][index].extend(1.0).to_array(),
+            Self::LobeColors { mixtures, colors, .. } if layer < mixtures.lobes => {
+                let at = index * mixtures.lobes + layer;
+                let [r, g, b] = colors.as_ref().map_or([mixtures.stored[at][0]; 3], |colors| colors.stored[at]);
+                [r, g, b, 0.0]
+            }
+            Self::Lobes { .. } | Self::LobeColors { .. } => [0.0; 4],
         }
     }
 }
@@ -142,7 +171,7 @@ impl Upload {
                 slots.as_ref().map_or_else(|| vec![0; texels.len()], |s| s.slots[texels.clone()].to_vec())
             }
             (source, wgpu::TextureFormat::Rgba16Float) => {
-                let halves = |i| source.texel(i, layer as usize).map(f16::from_f32);
+                let halves = |i| source.texel(i, layer as usize).map(half_of);
                 bytemuck::cast_slice(&texels.map(halves).collect::<Vec<_>>()).to_vec()
             }
             (source, _) => {
@@ -151,4 +180,9 @@ impl Upload {
             }
         }
     }
+}
+
+/// The nearest half that is finite: infinity times a weight of 0 would be no number.
+fn half_of(value: f32) -> f16 {
+    f16::from_f32(value.clamp(f16::MIN.to_f32(), f16::MAX.to_f32()))
 }

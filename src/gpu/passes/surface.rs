@@ -2,23 +2,27 @@
 
 use std::collections::HashMap;
 
-use crate::brdf::ConvolutionRule;
+use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::Method;
 use crate::filter::vmf::Fold;
+use crate::gpu::exact_tables::ExactTables;
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer};
+use crate::gpu::surface_pipelines::{SurfacePipelines, Variant};
 use crate::gpu::textures::MapTextures;
 use crate::lit_surface::{LevelChoice, LitSurface};
-use crate::scene::{ShapeKind, Vertex};
+use crate::scene::ShapeKind;
 
 /// The format of the pictures: 32-bit floats, which sums of many samples need, bit for bit in unsigned integers, which
 /// every adapter can draw to.
 pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
-const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// The format of their depth.
+pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shader's parts, in order.
-pub const SHADER: [&str; 6] = [
+pub const SHADER: [&str; 7] = [
     layout::VMF,
     layout::BLINN_PHONG,
+    layout::EXACT_TABLE,
     layout::FILTER,
     layout::SAMPLING,
     layout::TRUTH,
@@ -71,8 +75,10 @@ pub struct FrameData {
     pub first_sample: u32,
     /// Samples of the truth to add.
     pub sample_count: u32,
+    /// The rule for the diffuse part, by the shader's number.
+    pub diffuse_rule: u32,
     /// Nothing.
-    pub padding: [u32; 2],
+    pub padding: u32,
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
 }
@@ -93,9 +99,13 @@ impl FrameData {
             radiance: surface.light.radiance().to_array(),
             convolution: match material.convolution {
                 ConvolutionRule::Paper => 0,
-                // The exact convolution is the processor's alone; this rule is the nearest to it.
-                ConvolutionRule::ShiftedExponent | ConvolutionRule::Exact => 1,
+                ConvolutionRule::ShiftedExponent => 1,
                 ConvolutionRule::Moment => 2,
+                ConvolutionRule::Exact => 3,
+            },
+            diffuse_rule: match material.diffuse_rule {
+                DiffuseRule::Cosine => 0,
+                DiffuseRule::Exact => 1,
             },
             specular_color: material.specular_color.to_array(),
             specular: material.specular,
@@ -117,8 +127,10 @@ impl FrameData {
 /// Pipelines, meshes and constants.
 #[derive(Debug)]
 pub struct SurfacePass {
-    pipelines: [wgpu::RenderPipeline; 4],
+    pipelines: SurfacePipelines,
+    variant: Variant,
     constants: wgpu::Buffer,
+    exact_tables: ExactTables,
     frame_group: wgpu::BindGroup,
     sum_layout: wgpu::BindGroupLayout,
     meshes: HashMap<ShapeKind, MeshBuffers>,
@@ -153,18 +165,17 @@ impl SurfacePass {
     /// Compiles the pipelines of every method; `map` is the layout of group 1.
     pub fn new(device: &wgpu::Device, map: &wgpu::BindGroupLayout) -> Self {
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM]);
+        let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM, ExactTables::BINDING]);
         let sum_type = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
         let sum_layout = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[sum_type]);
-        let shader = layout::shader(device, "surface", &SHADER);
-        let pipelines = Method::ALL.map(|method| {
-            let groups = [Some(&frame), Some(map), Some(&sum_layout)];
-            let used = if method == Method::Truth { &groups[..] } else { &groups[..2] };
-            pipeline(device, &shader, method, used)
-        });
+        let pipelines = SurfacePipelines::new(device, [&frame, map, &sum_layout]);
         let constants = uniform_buffer::<FrameData>(device, "surface frame");
-        let frame_group = bind_group(device, "surface frame", &frame, &[constants.as_entire_binding()]);
-        Self { pipelines, constants, frame_group, sum_layout, meshes: HashMap::new() }
+        let exact_tables = ExactTables::new(device);
+        let tables = exact_tables.view();
+        let resources = [constants.as_entire_binding(), wgpu::BindingResource::TextureView(&tables)];
+        let frame_group = bind_group(device, "surface frame", &frame, &resources);
+        let (variant, meshes) = (Variant::default(), HashMap::new());
+        Self { pipelines, variant, constants, exact_tables, frame_group, sum_layout, meshes }
     }
 
     /// A picture to draw into, with depth of its own.
@@ -180,10 +191,18 @@ impl SurfacePass {
         Target { depth: depth.create_view(&depth_label), as_sum, color, view }
     }
 
-    /// Writes the frame's constants and makes sure of the mesh.
-    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, kind: ShapeKind, data: &FrameData) {
+    /// Writes the frame's constants and makes sure of the mesh and of the tables that the material needs.
+    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, surface: &LitSurface, data: &FrameData) {
         queue.write_buffer(&self.constants, 0, bytemuck::bytes_of(data));
+        self.exact_tables.prepare(queue, &surface.material);
+        let kind = surface.shape.kind;
         self.meshes.entry(kind).or_insert_with(|| MeshBuffers::new(device, queue, kind));
+    }
+
+    /// Makes sure of the pipelines of `methods` for what they will draw next.
+    pub fn prepare_methods(&mut self, device: &wgpu::Device, methods: &[Method], variant: Variant) {
+        self.variant = variant;
+        self.pipelines.make(device, methods, variant);
     }
 
     /// Draws `kind` by `method` into `target`; the truth adds to `sum`.
@@ -195,9 +214,11 @@ impl SurfacePass {
         target: &Target,
         sum: Option<&Target>,
     ) {
-        let Some(mesh) = self.meshes.get(&kind) else { return };
+        let (Some(mesh), Some(pipeline)) = (self.meshes.get(&kind), self.pipelines.get(method, self.variant)) else {
+            return;
+        };
         let mut pass = begin(encoder, target);
-        pass.set_pipeline(&self.pipelines[index(method)]);
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.frame_group, &[]);
         pass.set_bind_group(1, map.bind_group(), &[]);
         if let Some(sum) = sum {
@@ -221,16 +242,6 @@ pub fn index(method: Method) -> usize {
         Method::Mip => 1,
         Method::Vmf => 2,
         Method::VmfUnaligned => 3,
-    }
-}
-
-/// The shader's entry point.
-fn entry_point(method: Method) -> &'static str {
-    match method {
-        Method::Truth => "truth",
-        Method::Mip => "mip",
-        Method::Vmf => "vmf",
-        Method::VmfUnaligned => "vmf_unaligned",
     }
 }
 
@@ -289,51 +300,5 @@ fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, target: &Target) -> wgpu::Re
         timestamp_writes: None,
         occlusion_query_set: None,
         multiview_mask: None,
-    })
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    shader: &wgpu::ShaderModule,
-    method: Method,
-    groups: &[Option<&wgpu::BindGroupLayout>],
-) -> wgpu::RenderPipeline {
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("surface"),
-        bind_group_layouts: groups,
-        immediate_size: 0,
-    });
-    let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2];
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(method.name()),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: shader,
-            entry_point: Some("vertex"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Vertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &attributes,
-            })],
-        },
-        // Both sides are drawn: a plane that vanished when seen from below would puzzle.
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Less),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: shader,
-            entry_point: Some(entry_point(method)),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(COLOR_FORMAT.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
     })
 }

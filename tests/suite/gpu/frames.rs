@@ -4,6 +4,7 @@ use glam::Vec3;
 use ndf_inspector::color::srgb8_from_linear;
 use ndf_inspector::filter::Method;
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame, render_to_rgba8};
+use ndf_inspector::lit_surface::LevelChoice;
 use ndf_inspector::normal_map::Addressing;
 
 use super::{Scene, gpu, maps};
@@ -20,6 +21,13 @@ fn step(frame: &mut SurfaceFrame, input: &FrameInput<'_>) {
     let mut encoder = gpu().device.create_command_encoder(&label);
     frame.prepare(&gpu().device, &gpu().queue, &mut encoder, input);
     gpu().queue.submit([encoder.finish()]);
+}
+
+/// The picture by lobes, in one frame.
+fn by_lobes(scene: &Scene) -> Vec<[f32; 4]> {
+    let mut frame = frame(16, 16);
+    step(&mut frame, &scene.input(Method::Vmf));
+    linear(&frame, Method::Vmf)
 }
 
 fn linear(frame: &SurfaceFrame, method: Method) -> Vec<[f32; 4]> {
@@ -75,7 +83,12 @@ fn a_finished_frame_wants_no_more() {
 
 #[test]
 fn uploads_in_slices_end_in_the_picture_of_one_upload_and_show_coarse_levels_meanwhile() {
-    let scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 5);
+    let map = maps::rough(64, 64, Addressing::Wrap);
+    slices_end_in_the_whole(&Scene::new(map.clone(), 5));
+    slices_end_in_the_whole(&Scene::new(maps::with_color(map, maps::any_color), 5));
+}
+
+fn slices_end_in_the_whole(scene: &Scene) {
     let input = scene.input(Method::Vmf);
     let (mut whole, mut sliced) = (frame(16, 16), frame(16, 16));
     whole.complete(gpu(), &input).expect("the device works");
@@ -90,6 +103,28 @@ fn uploads_in_slices_end_in_the_picture_of_one_upload_and_show_coarse_levels_mea
     assert!(ranges.windows(2).all(|pair| pair[1][0] <= pair[0][0]), "finer and finer: {ranges:?}");
     assert_eq!(ranges.last(), Some(&[0.0, 6.0]));
     assert_eq!(linear(&sliced, Method::Vmf), linear(&whole, Method::Vmf));
+}
+
+#[test]
+fn lobes_are_white_until_their_colours_are_fitted() {
+    let plain = maps::rough(64, 64, Addressing::Wrap);
+    let mut scene = Scene::new(maps::with_color(plain.clone(), maps::any_color), 5);
+    scene.surface.level = LevelChoice::Fixed(2.5);
+    let colors = std::mem::replace(&mut scene.lobes.colors, vec![None; 6]);
+    let mut frame = frame(16, 16);
+    step(&mut frame, &scene.input(Method::Vmf));
+    let white = linear(&frame, Method::Vmf);
+    scene.lobes.colors = colors;
+    step(&mut frame, &scene.input(Method::Vmf));
+    let colored = linear(&frame, Method::Vmf);
+    assert!(!frame.wants_more());
+    let at_once = by_lobes(&scene);
+    assert!(colored == at_once, "colours that come later shade as those that come along");
+    let without = Scene { surface: scene.surface, ..Scene::new(plain, 5) };
+    let worst = white.iter().zip(by_lobes(&without)).map(|(a, b)| (a[0] - b[0]).abs());
+    // Half precision of the weights.
+    assert!(worst.fold(0.0, f32::max) < 1e-3);
+    assert_ne!(white, colored);
 }
 
 #[test]

@@ -56,6 +56,7 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         wraps,
         first_sample,
         sample_count,
+        diffuse_rule,
         padding,
         fold,
     });

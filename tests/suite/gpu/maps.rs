@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use ndf_inspector::filter::vmf::{BaseSlots, LobePyramid, MixtureLevel};
+use ndf_inspector::filter::vmf::{BaseSlots, ColorLevel, LobePyramid, MixtureLevel};
 use ndf_inspector::image_io::{RasterImage, SampleDepth, Samples};
+use ndf_inspector::normal_map::albedo::Albedo;
 use ndf_inspector::normal_map::{Addressing, MapOptions, MapSource, NormalMap};
 use ndf_inspector::sphere::Lobe;
 
@@ -56,6 +57,18 @@ pub fn rough(width: usize, height: usize, addressing: Addressing) -> Arc<NormalM
     })
 }
 
+/// The same map with a colour for every texel.
+pub fn with_color(map: Arc<NormalMap>, color: impl Fn(usize) -> Vec3) -> Arc<NormalMap> {
+    let mut map = Arc::unwrap_or_clone(map);
+    map.albedo = Some(Arc::new(Albedo { rgb: (0..map.len()).map(|index| color(index).to_array()).collect() }));
+    Arc::new(map)
+}
+
+/// A colour that looks random, of channels from 0 to 1.5: a colour may exceed 1.
+pub fn any_color(seed: usize) -> Vec3 {
+    1.5 * Vec3::new(noise(7 * seed), noise(7 * seed + 1), noise(7 * seed + 2))
+}
+
 /// A square bump in the middle of a flat map, which rises towards its centre.
 pub fn bump() -> Arc<NormalMap> {
     map(64, 64, Addressing::Wrap, |x, y| {
@@ -65,7 +78,8 @@ pub fn bump() -> Arc<NormalMap> {
     })
 }
 
-/// Lobes of every level, of widths from a delta to nearly uniform; a slot in five is empty.
+/// Lobes of every level, of widths from a delta to nearly uniform; a slot in five is empty. Colours of their own where
+/// the map has colour.
 pub fn mixtures(map: &Arc<NormalMap>, lobes: usize) -> LobePyramid {
     let level = |(width, height): (usize, usize), level: usize| {
         let mut mixtures = MixtureLevel::empty((width, height), lobes);
@@ -88,14 +102,20 @@ pub fn mixtures(map: &Arc<NormalMap>, lobes: usize) -> LobePyramid {
         }
         Some(Arc::new(mixtures))
     };
+    let colors = |mixtures: &Arc<MixtureLevel>, level: usize| {
+        let color = |(at, stored): (usize, &[f32; 4])| (stored[0] * any_color(at + 1_000_000 * level)).to_array();
+        Arc::new(ColorLevel { stored: mixtures.stored.iter().enumerate().map(color).collect() })
+    };
     let sizes = map.level_sizes();
     // A map of one texel has no coarser level, hence one slot.
     let lobes = if sizes.len() == 1 { 1 } else { lobes };
     let slots = (0..map.len()).map(|i| (noise(i + 99) * lobes as f32) as u8).collect();
+    let coarse: Vec<_> = sizes[1..].iter().enumerate().map(|(k, &size)| level(size, k)).collect();
+    let colored = coarse.iter().enumerate().map(|(k, level)| level.as_ref().map(|level| colors(level, k)));
     LobePyramid {
         map: map.clone(),
         base: Some(Arc::new(BaseSlots { slots })),
-        coarse: sizes[1..].iter().enumerate().map(|(k, &size)| level(size, k)).collect(),
-        colors: vec![None; sizes.len() - 1],
+        colors: if map.albedo.is_some() { colored.collect() } else { vec![None; sizes.len() - 1] },
+        coarse,
     }
 }

@@ -2,7 +2,9 @@
 
 mod context;
 mod frames;
+mod groove;
 mod layouts;
+mod limits;
 pub mod maps;
 mod twins;
 

@@ -1,7 +1,7 @@
 //! The adapter's pictures equal the processor's.
 
 use glam::{Vec2, Vec3};
-use ndf_inspector::brdf::ConvolutionRule;
+use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::color::srgb8_from_linear;
 use ndf_inspector::filter::vmf::{Fold, Rules};
 use ndf_inspector::filter::{Filter, LocalLight, Lookup, Method, Truth, UnalignedVmf, VmfFilter};
@@ -15,9 +15,9 @@ use std::sync::Arc;
 use super::{Scene, gpu, maps};
 
 /// Enough that one sample which falls on the other side of a texel's edge by a rounding changes less than 1/255.
-const SAMPLES: u32 = 256;
+pub(super) const SAMPLES: u32 = 256;
 
-fn on_processor(scene: &Scene, method: Method) -> Picture {
+pub(super) fn on_processor(scene: &Scene, method: Method) -> Picture {
     let map = scene.map().clone();
     let base = (map.width, map.height);
     let vmf = || VmfFilter { lobes: Arc::new(scene.lobes.clone()), fold: scene.fold, rules: Rules::default() };
@@ -31,7 +31,7 @@ fn on_processor(scene: &Scene, method: Method) -> Picture {
 }
 
 /// The adapter's picture of one method, exposed, in linear light.
-fn on_adapter(scene: &Scene, method: Method) -> Picture {
+pub(super) fn on_adapter(scene: &Scene, method: Method) -> Picture {
     let mut frame = SurfaceFrame::new(&gpu().device, PICTURE_FORMAT);
     frame.budget = FrameBudget { truth_limit: SAMPLES, truth_batch: 64, upload_bytes: 1 << 30 };
     frame.complete(gpu(), &scene.input(method)).expect("the device works");
@@ -55,34 +55,43 @@ fn differences(a: &Picture, b: &Picture) -> Vec<u8> {
 }
 
 /// Asserts that adapter and processor agree within 1/255 on 99.9 % of the pixels; prints the worst one.
-fn assert_twins(scene: &Scene, method: Method, what: &str) {
-    let (adapter, processor) = (on_adapter(scene, method), on_processor(scene, method));
+pub(super) fn assert_twins(scene: &Scene, method: Method, what: &str) {
+    assert_alike(&on_adapter(scene, method), &on_processor(scene, method), what);
+}
+
+/// The same for two pictures.
+pub(super) fn assert_alike(adapter: &Picture, processor: &Picture, what: &str) {
     let seen: Vec<Vec3> = (0..adapter.rgb.len()).filter(|&i| adapter.covered[i]).map(|i| adapter.rgb[i]).collect();
     let brightest = seen.iter().map(|c| c.max_element()).fold(0.0, f32::max);
     let darkest = seen.iter().map(|c| c.max_element()).fold(f32::MAX, f32::min);
     assert!(seen.len() > 200 && brightest > darkest + 0.02, "{what}: {} pixels, flat or black", seen.len());
-    let differences = differences(&adapter, &processor);
+    let differences = differences(adapter, processor);
     let worst = (0..differences.len()).max_by_key(|&i| differences[i]).unwrap_or(0);
     let wrong = differences.iter().filter(|&&d| d > 1).count();
     println!(
         "{what}: {wrong} of {} pixels off by more than 1/255; worst {}/255 at ({}, {}): {} against {}",
         differences.len(),
         differences[worst],
-        worst as u32 % scene.size[0],
-        worst as u32 / scene.size[0],
+        worst as u32 % adapter.size[0],
+        worst as u32 / adapter.size[0],
         adapter.rgb[worst],
         processor.rgb[worst],
     );
     assert!(wrong * 1000 <= differences.len(), "{what}: {wrong} pixels differ");
 }
 
+/// On every shape, near and far, a map without colour and one with it.
 fn assert_twins_everywhere(method: Method) {
-    for kind in ShapeKind::ALL {
-        for distance in [1.2, 3.2, 12.0] {
-            let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 6);
-            scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
-            scene.surface.camera.distance = distance;
-            assert_twins(&scene, method, &format!("{method} on {kind:?} at {distance}"));
+    let plain = maps::rough(64, 64, Addressing::Wrap);
+    let colored = maps::with_color(plain.clone(), maps::any_color);
+    for (map, what) in [(plain, "plain"), (colored, "coloured")] {
+        for kind in ShapeKind::ALL {
+            for distance in [1.2, 3.2, 12.0] {
+                let mut scene = Scene::new(map.clone(), 6);
+                scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
+                scene.surface.camera.distance = distance;
+                assert_twins(&scene, method, &format!("{method}, {what} {kind:?} at {distance}"));
+            }
         }
     }
 }
@@ -146,7 +155,7 @@ fn maps_of_any_size_and_either_addressing_have_twins() {
 
 #[test]
 fn every_convolution_rule_has_a_twin() {
-    for rule in ConvolutionRule::CLOSED {
+    for rule in ConvolutionRule::ALL {
         for shininess in [1.0, 10.0, 400.0, 4000.0] {
             let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 8);
             scene.surface.material.convolution = rule;
@@ -158,8 +167,25 @@ fn every_convolution_rule_has_a_twin() {
 }
 
 #[test]
+fn the_exact_rules_have_twins_on_every_shape() {
+    for kind in ShapeKind::ALL {
+        for method in [Method::Vmf, Method::VmfUnaligned] {
+            let mut scene = Scene::new(maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color), 6);
+            scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
+            scene.surface.material.convolution = ConvolutionRule::Exact;
+            scene.surface.material.diffuse_rule = DiffuseRule::Exact;
+            // Low, so that the horizon is seen, where the two diffuse rules differ most.
+            scene.surface.light.elevation_deg = 15.0;
+            scene.surface.material.diffuse = 1.0;
+            assert_twins(&scene, method, &format!("{method} exactly on {kind:?}"));
+        }
+    }
+}
+
+#[test]
 fn a_preview_with_fewer_lobes_has_a_twin() {
-    let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 6);
+    let map = maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color);
+    let mut scene = Scene::new(map, 6);
     scene.fold = Fold(std::array::from_fn(|slot| [0, 1, 1, 0, 4, 1][slot.min(5)]));
     for distance in [1.2, 12.0] {
         scene.surface.camera.distance = distance;
@@ -170,7 +196,7 @@ fn a_preview_with_fewer_lobes_has_a_twin() {
 
 #[test]
 fn a_fixed_level_has_a_twin_whole_or_between_two() {
-    let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 6);
+    let mut scene = Scene::new(maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color), 6);
     for level in [0.0, 0.4, 1.0, 2.7, 6.0, 9.0] {
         scene.surface.level = LevelChoice::Fixed(level);
         for method in [Method::Mip, Method::Vmf, Method::VmfUnaligned] {
