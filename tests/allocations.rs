@@ -33,7 +33,7 @@ fn stop(iterations: usize) -> Stop {
 fn of_em(map: &NormalMap, lobes: TexelLobes, iterations: usize) -> usize {
     let samples = FootprintSamples::new(map, Footprint::new((map.width, map.height), (1, 1), (0, 0)));
     allocations(|| {
-        let fit = em::fit(&samples, lobes, stop(iterations), KappaRule::Exact, || true);
+        let fit = em::fit(&samples, lobes, stop(iterations), KappaRule::Exact, |_| true);
         assert_eq!(fit.iterations, iterations);
     })
 }

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::export::write_lobes;
 use super::options::{FitArguments, MapArguments, wait_for_fit, write_text};
+use crate::filter::vmf::trace::{Trace, trace};
 use crate::filter::vmf::{Coherence, smooth};
 use crate::normal_map::pyramid::{Footprint, Texel};
 use crate::session::Session;
@@ -30,6 +31,9 @@ pub struct FitCommand {
     /// A texel whose lobes are printed; any number of them.
     #[arg(long = "texel", value_name = "LEVEL,X,Y")]
     pub texels: Vec<Texel>,
+    /// Say of every such texel how its fit went: the log-likelihood of each iteration, lobes retired and capped.
+    #[arg(long, requires = "texels")]
+    pub trace: bool,
     /// Write the result as JSON to FILE, - for standard output.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -95,6 +99,8 @@ struct TexelReport {
     samples: usize,
     mean_log_likelihood: f64,
     lobes: Vec<LobeReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trace: Option<Trace>,
 }
 
 #[derive(Debug, Serialize)]
@@ -176,7 +182,7 @@ impl FitCommand {
             },
             seconds,
             levels: session.fitting().levels().iter().enumerate().filter_map(level_report).collect(),
-            texels: self.texels.iter().map(|&texel| texel_report(session, texel)).collect(),
+            texels: self.texels.iter().map(|&texel| texel_report(session, texel, self.trace)).collect(),
         }
     }
 }
@@ -198,7 +204,7 @@ pub fn check_texel(texel: Texel, sizes: &[(usize, usize)]) -> anyhow::Result<()>
     Ok(())
 }
 
-fn texel_report(session: &Session, texel: Texel) -> TexelReport {
+fn texel_report(session: &Session, texel: Texel, traced: bool) -> TexelReport {
     let lobes = session.lobes();
     let map = session.map();
     let mixture = lobes.mixture(texel).unwrap_or_default();
@@ -218,6 +224,7 @@ fn texel_report(session: &Session, texel: Texel) -> TexelReport {
             .into_iter()
             .map(|(slot, lobe)| LobeReport { lobe, color: lobes.lobe_color(texel, slot) })
             .collect(),
+        trace: traced.then(|| trace(lobes, texel, session.fit_settings())).flatten(),
     }
 }
 
@@ -273,6 +280,14 @@ impl TexelReport {
             );
             text += &color.map_or_else(String::new, |y| format!("   colour {:.4} {:.4} {:.4}", y.x, y.y, y.z));
             text += "\n";
+        }
+        if let Some(trace) = &self.trace {
+            let (iterations, retired, capped) = (trace.iterations, trace.retired, trace.capped);
+            text += &format!("{iterations} iterations, {retired} slots empty, {capped} lobes as sharp as may be\n");
+            for run in &trace.runs {
+                let values: Vec<String> = run.log_likelihood.iter().map(|value| format!("{value:.5}")).collect();
+                text += &format!("  {}: {}\n", run.name, values.join(" "));
+            }
         }
         text
     }

@@ -90,7 +90,7 @@ fn em_never_lowers_the_likelihood() {
     let mut previous = f64::NEG_INFINITY;
     for iteration in 0..60 {
         let step =
-            em::fit(&samples, lobes, Stop { iterations: 1, tolerance: f64::NEG_INFINITY }, KappaRule::Exact, || true);
+            em::fit(&samples, lobes, Stop { iterations: 1, tolerance: f64::NEG_INFINITY }, KappaRule::Exact, |_| true);
         // f32 densities round the mean by about 1e-6.
         assert!(step.mean_log_likelihood > previous - 2e-6, "{iteration}: {previous} to {}", step.mean_log_likelihood);
         (previous, lobes) = (step.mean_log_likelihood, step.lobes);

@@ -43,15 +43,17 @@ pub fn fit(samples: &impl Samples, children: &Children<'_>, steps: usize, task: 
     let rule = task.settings.kappa;
     let mut lobes = merged(children, task.normals, task.settings.lobes);
     let iterations = ITERATIONS.min(task.settings.iterations);
+    task.begin("EM from merged lobes");
     for _ in 0..iterations {
         let kernel = lobes.for_e_step(rule);
         let sums = em::e_step(samples, &kernel);
-        if sums.total <= 0.0 || !task.visited() {
+        if sums.total <= 0.0 || !task.saw(sums.log_likelihood / sums.total) {
             break;
         }
         lobes.m_step(&kernel, &sums);
     }
     gauss_newton::refine(samples, &mut lobes, steps, &mut || task.visited());
-    let fit = em::fit(samples, lobes, Stop { iterations: 0, tolerance: 0.0 }, rule, || true);
+    task.begin("refined");
+    let fit = em::fit(samples, lobes, Stop { iterations: 0, tolerance: 0.0 }, rule, |mean| task.saw(mean));
     TexelFit { iterations, ..fit }
 }

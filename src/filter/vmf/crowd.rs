@@ -352,7 +352,7 @@ mod tests {
                 for (lane, footprint) in footprints.iter().enumerate() {
                     let alone = FootprintSamples::new(&map, *footprint);
                     let stop = Stop { iterations, tolerance: f64::NEG_INFINITY };
-                    let alone = em::fit(&alone, seed_of(footprint), stop, KappaRule::Exact, || true);
+                    let alone = em::fit(&alone, seed_of(footprint), stop, KappaRule::Exact, |_| true);
                     let off = f64::from(outcome.mean_log_likelihood[lane]) - alone.mean_log_likelihood;
                     assert!(off.abs() < 2e-3, "level {level}, lane {lane}: {off}");
                     let texel = lobes.texel(lane, outcome.total[lane]);

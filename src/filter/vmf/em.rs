@@ -137,14 +137,15 @@ pub fn e_step(samples: &impl Samples, lobes: &KernelLobes) -> Sums {
     samples.sum(|slices, sums| kernel::accumulate(slices, lobes, sums))
 }
 
-/// Runs EM from `seed` over the footprint's normals; `after_iteration` returns false to stop early.
+/// Runs EM from `seed` over the footprint's normals; `watch` is told the mean log-likelihood of every E-step and returns
+/// false to stop early.
 /// Without a valid normal the result is one flat lobe.
 pub fn fit(
     samples: &impl Samples,
     seed: TexelLobes,
     stop: Stop,
     rule: KappaRule,
-    mut after_iteration: impl FnMut() -> bool,
+    mut watch: impl FnMut(f64) -> bool,
 ) -> TexelFit {
     let mut lobes = seed;
     let (mut previous, mut iterations) = (f64::NEG_INFINITY, 0);
@@ -156,7 +157,7 @@ pub fn fit(
         }
         let mean_log_likelihood = sums.log_likelihood / sums.total;
         let done = iterations >= stop.iterations || mean_log_likelihood - previous < stop.tolerance;
-        if done || !after_iteration() {
+        if !watch(mean_log_likelihood) || done {
             return TexelFit { lobes: lobes.settled(rule), mean_log_likelihood, iterations };
         }
         previous = mean_log_likelihood;

@@ -49,11 +49,12 @@ pub fn fit(samples: &impl Samples, children: &Children<'_>, task: &mut TexelTask
     children.add_to(&mut candidates, &KullbackLeibler);
     candidates.merge_down_to(settings.lobes, &KullbackLeibler);
     let failures = if task.normals < FEW { 1 } else { FAILURES };
-    let mut run = |lobes, iterations| {
+    let mut run = |name, lobes, iterations| {
+        task.begin(name);
         let stop = Stop { iterations, tolerance: settings.tolerance };
-        em::fit(samples, lobes, stop, settings.kappa, || task.visited())
+        em::fit(samples, lobes, stop, settings.kappa, |mean| task.saw(mean))
     };
-    let mut best = run(candidates.to_lobes(settings.lobes), FIRST);
+    let mut best = run("EM from merged lobes", candidates.to_lobes(settings.lobes), FIRST);
     let mut iterations = best.iterations;
     let mut failed = 0;
     for _ in 0..MOVES {
@@ -68,7 +69,7 @@ pub fn fit(samples: &impl Samples, children: &Children<'_>, task: &mut TexelTask
             break;
         }
     }
-    let last = run(best.lobes, settings.iterations);
+    let last = run("EM of the best", best.lobes, settings.iterations);
     TexelFit { iterations: iterations + last.iterations, ..last }
 }
 
@@ -78,7 +79,7 @@ fn moved(
     samples: &impl Samples,
     lobes: &TexelLobes,
     rank: usize,
-    run: &mut impl FnMut(TexelLobes, usize) -> TexelFit,
+    run: &mut impl FnMut(&'static str, TexelLobes, usize) -> TexelFit,
 ) -> Option<TexelFit> {
     let free = (0..lobes.count).find(|&j| lobes.alpha[j] <= f64::from(EMPTY_WEIGHT));
     let (merged, free) = match free {
@@ -92,9 +93,12 @@ fn moved(
     let kernel = merged.for_e_step(crate::sphere::vmf::KappaRule::Exact);
     let shapes = samples.sum(|slices, shapes: &mut Shapes| shapes.add(slices, &kernel));
     let split = |j: usize| shapes.split(&merged, j, free);
-    let trial = (0..merged.count).filter(|&j| merged.alpha[j] > 1e-3).filter_map(split).map(|lobes| run(lobes, TRIAL));
+    let trial = (0..merged.count)
+        .filter(|&j| merged.alpha[j] > 1e-3)
+        .filter_map(split)
+        .map(|lobes| run("a split tried", lobes, TRIAL));
     let best = trial.max_by(|a, b| a.mean_log_likelihood.total_cmp(&b.mean_log_likelihood))?;
-    Some(run(best.lobes, JUDGED))
+    Some(run("the best split", best.lobes, JUDGED))
 }
 
 /// Slot b merged into slot a.

@@ -30,6 +30,7 @@ pub mod seed;
 pub mod selection;
 pub mod shaded;
 pub mod smooth;
+pub mod trace;
 pub mod unaligned;
 
 use std::f64::consts::PI;

@@ -16,7 +16,8 @@ use super::pull::{Pull, Unpulled};
 use super::pyramid::{LobePyramid, MixtureLevel};
 use super::samples::FootprintSamples;
 use super::smooth::{self, blend_down};
-use crate::normal_map::pyramid::Footprint;
+use super::trace::TracedRun;
+use crate::normal_map::pyramid::{Footprint, Texel};
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf::KappaRule;
 
@@ -66,6 +67,25 @@ pub fn fit_level(
     monitor.check()?;
     let stats = smooth::likelihood(&lobes.map, &mixtures, settings, monitor)?;
     Ok((mixtures, LevelStats { mean_iterations: settings.aligned_passes() as f64, ..stats }))
+}
+
+/// The iterations of one texel: its parent and its visited neighbours are as they were when it was fitted. The mean
+/// log-likelihood before the first and after each; `None` where this level or the next coarser one is not fitted.
+pub fn trace_texel(lobes: &LobePyramid, texel: Texel, settings: &FitSettings) -> Option<TracedRun> {
+    let (level, coarse) = (lobes.level(texel.level)?, lobes.level(texel.level + 1)?);
+    let (place, size) = ((texel.x, texel.y), (level.width, level.height));
+    let pulled = PulledTexel::new(lobes, coarse, level, place, settings.align.pull()?, settings.kappa);
+    let taps = smooth::coarse_taps(coarse, size, place, lobes.map.options.addressing);
+    let seed: Vec<_> = (0..level.lobes).map(|slot| smooth::blend_slot(coarse, &taps, slot).to_array()).collect();
+    let mut fit = TexelLobes::from_stored(&seed);
+    let mut log_likelihood = Vec::new();
+    for iteration in 0..=settings.aligned_passes() {
+        log_likelihood.push(pulled.mean_log_likelihood(&fit)?);
+        if iteration < settings.aligned_passes() {
+            pulled.step(&mut fit)?;
+        }
+    }
+    Some(TracedRun { name: "aligned iterations", log_likelihood })
 }
 
 /// One texel whose parent and visited neighbours are final.
@@ -123,6 +143,12 @@ impl<'a> PulledTexel<'a> {
             }
         }
         Some(sums.log_likelihood / sums.total + log_prior)
+    }
+
+    /// The mean log-likelihood without the prior; `None` without a valid normal.
+    fn mean_log_likelihood(&self, lobes: &TexelLobes) -> Option<f64> {
+        let sums = self.samples.e_step(&lobes.for_e_step(self.rule));
+        (sums.total > 0.0).then(|| sums.log_likelihood / sums.total)
     }
 
     fn log_prior(&self, lobes: &TexelLobes) -> f64 {

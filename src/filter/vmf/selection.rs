@@ -186,7 +186,7 @@ impl<F: FnMut(usize) -> TexelFit> Trials<'_, F> {
         if let Some(truth) = TrueBrdf::new(self.samples) {
             prune(&mut lobes, |fewer| truth.error(fewer) <= target);
         }
-        Some(em::fit(self.samples, lobes, Stop { iterations: 0, tolerance: 0.0 }, self.kappa, || true))
+        Some(em::fit(self.samples, lobes, Stop { iterations: 0, tolerance: 0.0 }, self.kappa, |_| true))
     }
 
     /// The least `-2 n L + (4 J - 1) ln n` over J, n the occupied cells of [`BinnedSamples`] and L the mean

@@ -18,9 +18,10 @@ use super::lanes::LANES;
 use super::monitor::{Cancelled, Monitor};
 use super::pyramid::{LobePyramid, MixtureLevel};
 use super::samples::FootprintSamples;
+use super::trace::TracedRun;
 use super::unaligned::{Totals, texels_in_run};
 use crate::filter::sampling::Grid;
-use crate::normal_map::pyramid::Footprint;
+use crate::normal_map::pyramid::{Footprint, Texel};
 use crate::normal_map::{Addressing, NormalMap};
 use crate::sphere::StoredLobe;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
@@ -253,4 +254,29 @@ pub fn mean_log_likelihood(
     let kernel = TexelLobes::from_stored(mixtures.texel(texel.0, texel.1)).for_e_step(settings.kappa);
     let sums = FootprintSamples::new(map, footprint).e_step(&kernel);
     if sums.total > 0.0 { sums.log_likelihood / sums.total } else { 0.0 }
+}
+
+/// The passes of one texel beside its neighbours' final lobes: the mean log-likelihood before the first pass and after
+/// each. `None` where this level or the next coarser one is not fitted.
+pub fn trace_texel(lobes: &LobePyramid, texel: Texel, blend: f32, settings: &FitSettings) -> Option<TracedRun> {
+    let (level, coarse) = (lobes.level(texel.level)?, lobes.level(texel.level + 1)?);
+    let (map, size) = (lobes.map.as_ref(), (level.width, level.height));
+    let mut seeded = MixtureLevel::clone(level);
+    let index = texel.y * size.0 + texel.x;
+    let slots = index * level.lobes..(index + 1) * level.lobes;
+    let taps = coarse_taps(coarse, size, (texel.x, texel.y), map.options.addressing);
+    for (slot, stored) in seeded.stored[slots.clone()].iter_mut().enumerate() {
+        *stored = blend_slot(coarse, &taps, slot).to_array();
+    }
+    let settings = FitSettings { lobes: level.lobes, ..*settings };
+    let likelihood = |level: &MixtureLevel| mean_log_likelihood(map, level, (texel.x, texel.y), &settings);
+    let mut log_likelihood = vec![likelihood(&seeded)];
+    let mut target = vec![[0.0; 4]; level.lobes];
+    for pass in 0..settings.aligned_passes() {
+        let share = if pass == 0 { 0.0 } else { blend };
+        Pass { map, coarse, previous: &seeded, share, settings: &settings }.run_one(index, &mut target);
+        seeded.stored[slots.clone()].copy_from_slice(&target);
+        log_likelihood.push(likelihood(&seeded));
+    }
+    Some(TracedRun { name: "aligned passes", log_likelihood })
 }

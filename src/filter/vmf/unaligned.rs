@@ -15,6 +15,7 @@ use super::pyramid::{LobePyramid, MixtureLevel};
 use super::samples::{FootprintSamples, Samples};
 use super::seed::{self, Candidates};
 use super::selection::{Selection, Trials};
+use super::trace::TracedRun;
 use super::{appearance, crowd_em, likelihood};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Footprint;
@@ -90,7 +91,7 @@ impl<'a> LevelFit<'a> {
         }
         let mut visits = 0;
         for (place, index) in texels.enumerate() {
-            let (fit, unreported) = self.texel(index);
+            let (fit, unreported) = self.texel(index, None);
             keep(place, &fit);
             visits += unreported;
         }
@@ -111,7 +112,7 @@ impl<'a> LevelFit<'a> {
     }
 
     /// Fits one texel; returns the visits of normals that are not reported yet.
-    fn texel(&self, index: usize) -> (TexelFit, u64) {
+    fn texel(&self, index: usize, mut trace: Option<&mut Vec<TracedRun>>) -> (TexelFit, u64) {
         let (map, settings) = (self.lobes.map.as_ref(), self.settings);
         let footprint = self.footprint(index);
         let samples = FootprintSamples::new(map, footprint);
@@ -120,8 +121,8 @@ impl<'a> LevelFit<'a> {
         let trial = |lobes: usize| {
             let settings = FitSettings { lobes, ..*settings };
             let normals = footprint.len();
-            let mut task =
-                TexelTask { settings: &settings, normals, monitor: self.monitor, level: self.level, passes: 0 };
+            let (monitor, level, trace) = (self.monitor, self.level, trace.as_deref_mut());
+            let mut task = TexelTask { settings: &settings, normals, monitor, level, passes: 0, trace };
             let fit = fit_trial(&samples, &children, &mut task);
             reported += task.reported();
             fit
@@ -141,9 +142,26 @@ pub struct TexelTask<'a> {
     monitor: &'a Monitor,
     level: usize,
     passes: usize,
+    /// What is told of the fit, if anybody asks.
+    trace: Option<&'a mut Vec<TracedRun>>,
 }
 
 impl TexelTask<'_> {
+    /// Starts another run of EM, for the trace.
+    pub fn begin(&mut self, name: &'static str) {
+        if let Some(trace) = &mut self.trace {
+            trace.push(TracedRun { name, log_likelihood: Vec::new() });
+        }
+    }
+
+    /// Counts an E-step of this mean log-likelihood; false where the fit should end.
+    pub fn saw(&mut self, mean_log_likelihood: f64) -> bool {
+        if let Some(run) = self.trace.as_mut().and_then(|trace| trace.last_mut()) {
+            run.log_likelihood.push(mean_log_likelihood);
+        }
+        self.visited()
+    }
+
     /// Counts a pass over the footprint's normals; false where the fit should end.
     pub fn visited(&mut self) -> bool {
         self.passes += 1;
@@ -188,7 +206,21 @@ pub fn fit_texel(
     monitor: &Monitor,
 ) -> TexelFit {
     let width = lobes.map.level_size(level).0;
-    LevelFit { lobes, level, settings, monitor }.texel(y * width + x).0
+    LevelFit { lobes, level, settings, monitor }.texel(y * width + x, None).0
+}
+
+/// As [`fit_texel`], and every run of EM on the way.
+pub fn trace_texel(
+    lobes: &LobePyramid,
+    level: usize,
+    (x, y): (usize, usize),
+    settings: &FitSettings,
+) -> (TexelFit, Vec<TracedRun>) {
+    let width = lobes.map.level_size(level).0;
+    let monitor = Monitor::new(vec![0; lobes.levels()]);
+    let mut trace = Vec::new();
+    let fit = LevelFit { lobes, level, settings, monitor: &monitor }.texel(y * width + x, Some(&mut trace)).0;
+    (fit, trace)
 }
 
 /// Fits one texel with as many lobes as the settings have.
@@ -196,7 +228,7 @@ fn fit_trial(samples: &FootprintSamples<'_>, children: &Children<'_>, task: &mut
     let (map, footprint, settings) = (samples.map(), samples.footprint(), task.settings);
     let exact = if small(footprint, settings.lobes) { seed::exact(map, footprint, settings.lobes) } else { None };
     match (exact, settings.objective) {
-        (Some(lobes), _) => em::fit(samples, lobes, Stop { iterations: 0, tolerance: 0.0 }, settings.kappa, || true),
+        (Some(lobes), _) => em::fit(samples, lobes, Stop { iterations: 0, tolerance: 0.0 }, settings.kappa, |_| true),
         (None, Objective::Em) => fit_by_em(samples, children, task),
         (None, objective) if footprint.len() >= bins::WORTHWHILE => {
             fit_from_merge(objective, &BinnedSamples::new(map, footprint), children, task)
@@ -222,15 +254,20 @@ fn fit_from_merge(
 fn fit_by_em(samples: &FootprintSamples<'_>, children: &Children<'_>, task: &mut TexelTask<'_>) -> TexelFit {
     let settings = task.settings;
     let stop = settings.stop();
-    let mut run = |seed, stop| em::fit(samples, seed, stop, settings.kappa, || task.visited());
+    let mut run = |name, seed, stop| {
+        task.begin(name);
+        em::fit(samples, seed, stop, settings.kappa, |mean| task.saw(mean))
+    };
     let seed = seed_of(children, samples, settings.lobes);
     if samples.len() < RACED || settings.iterations <= RACE {
-        return run(seed, stop);
+        return run(FROM_CHILDREN, seed, stop);
     }
     let (centres, count) = seed::farthest_normals(samples.map(), samples.footprint(), settings.lobes);
     let rival = seed::assign(samples, &centres[..count], settings.lobes);
     race(&mut run, seed, rival, stop)
 }
+
+const FROM_CHILDREN: &str = "EM from children's lobes far apart";
 
 /// Iterations that two seeds are given before the better one goes on.
 pub const RACE: usize = 10;
@@ -240,18 +277,18 @@ pub const RACED: usize = 64;
 
 /// Runs both seeds for a while and the one of higher likelihood to the end: a single start can end far off.
 fn race(
-    run: &mut impl FnMut(em::TexelLobes, Stop) -> TexelFit,
+    run: &mut impl FnMut(&'static str, em::TexelLobes, Stop) -> TexelFit,
     first: em::TexelLobes,
     second: em::TexelLobes,
     stop: Stop,
 ) -> TexelFit {
     let short = Stop { iterations: RACE, ..stop };
-    let (first, second) = (run(first, short), run(second, short));
+    let (first, second) = (run(FROM_CHILDREN, first, short), run("EM from normals far apart", second, short));
     let better = if second.mean_log_likelihood > first.mean_log_likelihood { second } else { first };
     if better.iterations < RACE {
         return better;
     }
-    let rest = run(better.lobes, Stop { iterations: stop.iterations - RACE, ..stop });
+    let rest = run("EM of the better", better.lobes, Stop { iterations: stop.iterations - RACE, ..stop });
     TexelFit { iterations: RACE + rest.iterations, ..rest }
 }
 
