@@ -268,8 +268,7 @@ fn prepare(lobes: &mut CrowdLobes) {
         let resultant = &lobes.resultant[j];
         let mut shortfall = Lanes::splat(0.0);
         for i in 0..LANES {
-            let (x, y, z) =
-                (f64::from(resultant[0].0[i]), f64::from(resultant[1].0[i]), f64::from(resultant[2].0[i]));
+            let (x, y, z) = (f64::from(resultant[0].0[i]), f64::from(resultant[1].0[i]), f64::from(resultant[2].0[i]));
             shortfall.0[i] = (1.0 - (x * x + y * y + z * z)) as f32;
         }
         lobes.lobes[j] = LobeLanes::new::<FMA>(&lobes.alpha[j], resultant, &shortfall, lobes.rule);
@@ -357,9 +356,8 @@ mod tests {
                     let off = f64::from(outcome.mean_log_likelihood[lane]) - alone.mean_log_likelihood;
                     assert!(off.abs() < 2e-3, "level {level}, lane {lane}: {off}");
                     let texel = lobes.texel(lane, outcome.total[lane]);
-                    let mean = |lobes: &TexelLobes| -> DVec3 {
-                        (0..4).map(|j| lobes.alpha[j] * lobes.resultant[j]).sum()
-                    };
+                    let mean =
+                        |lobes: &TexelLobes| -> DVec3 { (0..4).map(|j| lobes.alpha[j] * lobes.resultant[j]).sum() };
                     assert!((mean(&texel) - mean(&alone.lobes)).length() < 1e-5);
                 }
             })
