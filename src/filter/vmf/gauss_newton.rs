@@ -7,6 +7,8 @@
 //! which is taken out of the equations and divided out of the step. Damping is Marquardt's (1963), in proportion to
 //! the diagonal. A step is kept only if Phi falls.
 
+use std::cell::RefCell;
+
 use glam::DVec3;
 
 use super::em::TexelLobes;
@@ -45,7 +47,13 @@ pub fn refine(samples: &impl Samples, lobes: &mut TexelLobes, steps: usize, proc
     if steps == 0 {
         return;
     }
-    let Some(mut here) = Evaluation::new(samples, Parameters::of(lobes)) else { return };
+    // Two places that change roles where a step is kept.
+    let mut places = [Evaluation::empty(Parameters::of(lobes)), Evaluation::empty(Parameters::of(lobes))];
+    let [here, there] = &mut places;
+    let (mut here, mut there) = (here, there);
+    if !here.move_to(samples, here.at) {
+        return;
+    }
     let weights = here.weights();
     let mut phi = here.phi(&weights);
     let mut damping = DAMPING;
@@ -53,15 +61,15 @@ pub fn refine(samples: &impl Samples, lobes: &mut TexelLobes, steps: usize, proc
         if !proceed() {
             return;
         }
-        let there = step(&here, &weights, damping).and_then(|step| Evaluation::new(samples, here.at.moved(&step)));
-        match there {
-            Some(there) if there.phi(&weights) < phi => {
-                phi = there.phi(&weights);
-                here = there;
-                here.at.store(lobes);
-                damping *= EASED;
-            }
-            _ => damping *= RAISED,
+        let moved = step(here, &weights, damping).is_some_and(|step| there.move_to(samples, here.at.moved(&step)));
+        let phi_there = if moved { there.phi(&weights) } else { f64::INFINITY };
+        if phi_there < phi {
+            phi = phi_there;
+            std::mem::swap(&mut here, &mut there);
+            here.at.store(lobes);
+            damping *= EASED;
+        } else {
+            damping *= RAISED;
         }
     }
 }
@@ -75,27 +83,37 @@ struct Equations {
     gradient: [f64; MOST],
 }
 
+thread_local! {
+    /// One for each thread, 32 KiB, of which a step fills what it needs.
+    static EQUATIONS: RefCell<Box<Equations>> =
+        RefCell::new(Box::new(Equations { unknowns: 0, matrix: [[0.0; MOST]; MOST], gradient: [0.0; MOST] }));
+}
+
 /// Tangent directions of every lobe.
 type Frames = [(DVec3, DVec3); MAX_LOBES];
 
 /// Half of Phi's gradient by every parameter, with the lobes' factors alpha, in the frames of [`frames`]:
 /// by `ln alpha`, two tangents and `ln kappa`.
 pub fn half_gradient(here: &Evaluation, weights: &[f64; MATERIALS.len()]) -> [[f64; EACH]; MAX_LOBES] {
-    let equations = Equations::at(here, weights, &frames(&here.at));
-    std::array::from_fn(|j| std::array::from_fn(|p| here.at.alpha[j] * equations.gradient[EACH * j + p]))
+    EQUATIONS.with_borrow_mut(|equations| {
+        equations.fill(here, weights, &frames(&here.at));
+        std::array::from_fn(|j| std::array::from_fn(|p| here.at.alpha[j] * equations.gradient[EACH * j + p]))
+    })
 }
 
 /// Two tangents at each lobe's direction.
 pub fn frames(at: &Parameters) -> [(DVec3, DVec3); MAX_LOBES] {
-    at.mu.map(|mu| mu.any_orthonormal_pair())
+    at.mu.map(DVec3::any_orthonormal_pair)
 }
 
 /// One step from here; `None` where the equations have no answer.
 fn step(here: &Evaluation, weights: &[f64; MATERIALS.len()], damping: f64) -> Option<[LobeStep; MAX_LOBES]> {
     let frames = frames(&here.at);
-    let mut equations = Equations::at(here, weights, &frames);
-    equations.damp(damping);
-    let solution = equations.solve()?;
+    let solution = EQUATIONS.with_borrow_mut(|equations| {
+        equations.fill(here, weights, &frames);
+        equations.damp(damping);
+        equations.solve()
+    })?;
     let mut steps = [LobeStep::default(); MAX_LOBES];
     for j in 0..here.at.count {
         let [log_alpha, first, second, log_kappa] = [0, 1, 2, 3].map(|p| -solution[EACH * j + p] / here.at.alpha[j]);
@@ -109,14 +127,15 @@ fn step(here: &Evaluation, weights: &[f64; MATERIALS.len()], damping: f64) -> Op
 }
 
 impl Equations {
-    /// The equations at one place.
-    fn at(here: &Evaluation, weights: &[f64; MATERIALS.len()], frames: &Frames) -> Self {
+    /// Becomes the equations at one place: every entry that counts is written.
+    fn fill(&mut self, here: &Evaluation, weights: &[f64; MATERIALS.len()], frames: &Frames) {
         let count = here.at.count;
-        let mut equations = Self { unknowns: EACH * count, matrix: [[0.0; MOST]; MOST], gradient: [0.0; MOST] };
+        self.unknowns = EACH * count;
+        self.gradient = [0.0; MOST];
         let mut model = [0.0; MOST];
         for k in 0..count {
             for j in 0..=k {
-                let block = equations.block(here, weights, frames, (j, k));
+                let block = self.block(here, weights, frames, (j, k));
                 for p in 0..EACH {
                     model[EACH * j + p] += here.at.alpha[k] * block[p][0];
                     if j < k {
@@ -125,8 +144,7 @@ impl Equations {
                 }
             }
         }
-        equations.centre(here, weights, frames, &model);
-        equations
+        self.centre(here, weights, frames, &model);
     }
 
     /// The inner products of lobe j's derivatives with lobe k's, `j <= k`.

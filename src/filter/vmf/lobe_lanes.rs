@@ -4,8 +4,6 @@
 //! within 2e-6 of the exact inverse. What enters is `1 - |r|^2`, because `|r|` alone loses the digits that matter
 //! near 1.
 
-#![expect(clippy::needless_range_loop, reason = "lanes of several arrays are walked by one index, which vectorises")]
-
 use std::f32::consts::{LOG2_E, PI};
 
 use super::kernel::LOG_ZERO;
@@ -74,7 +72,7 @@ fn concentration<const FMA: bool>(shortfall: f32, rule: KappaRule) -> f32 {
             -2.605_191_8e-2,
             2.178_830_3e-2,
             5.450_753e-2,
-            3.964_091_7e-2,
+            3.964_092e-2,
             -3.436_566_6e-2,
             9.582_098e-1,
         ],

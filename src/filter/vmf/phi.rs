@@ -207,14 +207,31 @@ pub const MOMENTS: [f64; MATERIALS.len()] = {
 };
 
 impl Evaluation {
+    /// Room for an evaluation at `at`: 24 KiB, which are better filled anew than made anew.
+    pub fn empty(at: Parameters) -> Self {
+        Self {
+            at,
+            own: [Width::default(); MAX_LOBES],
+            data: [[DataTerm::default(); MATERIALS.len()]; MAX_LOBES],
+            pairs: [[Pair::default(); PAIRS]; MATERIALS.len()],
+        }
+    }
+
     /// Phi's parts at `at`; `None` where no sample has weight.
     pub fn new(samples: &impl Samples, at: Parameters) -> Option<Self> {
-        let mut own = [Width::default(); MAX_LOBES];
+        let mut evaluation = Self::empty(at);
+        evaluation.move_to(samples, at).then_some(evaluation)
+    }
+
+    /// Evaluates Phi's parts at `at`; false where no sample has weight.
+    pub fn move_to(&mut self, samples: &impl Samples, at: Parameters) -> bool {
+        let Self { at: place, own, data, pairs } = self;
+        *place = at;
         for (own, log_kappa) in own.iter_mut().zip(at.log_kappa).take(at.count) {
             *own = Width::of_kappa(log_kappa.exp());
         }
-        let data = data_terms(samples, &at, &own)?;
-        let mut pairs = [[Pair::default(); PAIRS]; MATERIALS.len()];
+        let Some(terms) = data_terms(samples, &at, own) else { return false };
+        *data = terms;
         for (pairs, moment) in pairs.iter_mut().zip(MOMENTS) {
             for k in 0..at.count {
                 for j in 0..=k {
@@ -224,7 +241,7 @@ impl Evaluation {
                 }
             }
         }
-        Some(Self { at, own, data, pairs })
+        true
     }
 
     /// The integral of the shaded mixture's square.

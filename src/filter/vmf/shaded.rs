@@ -111,8 +111,8 @@ fn add_block<const FMA: bool, const SPREAD: bool>(
     }
     let [value, deviation @ ..] = acc;
     sum.value += f64::from(halving_sum(value));
-    for axis in 0..3 {
-        sum.deviation[axis] += f64::from(halving_sum(deviation[axis]));
+    for (total, part) in sum.deviation.iter_mut().zip(deviation) {
+        *total += f64::from(halving_sum(part));
     }
 }
 
