@@ -8,11 +8,12 @@ use serde::{Deserialize, Serialize};
 use super::coherence::Coherence;
 use super::color::{self, ColorLevel};
 use super::em::Stop;
+use super::looks::Looks;
 use super::monitor::{Cancelled, Monitor};
 use super::objective::Objective;
 use super::pull::Pull;
 use super::pyramid::{BaseSlots, LobePyramid, MixtureLevel};
-use super::{base_slots, scanline, smooth, unaligned};
+use super::{base_slots, between, scanline, smooth, unaligned};
 use crate::normal_map::NormalMap;
 use crate::sphere::vmf::KappaRule;
 
@@ -152,6 +153,7 @@ impl FitSettings {
     pub fn aligned_passes(&self) -> usize {
         match self.align {
             Alignment::None => 0,
+            Alignment::Smooth { .. } if between::refines(self) => smooth::PASSES_BEFORE_STEPS.min(self.iterations),
             Alignment::Smooth { .. } => smooth::PASSES.min(self.iterations),
             Alignment::Paper { .. } | Alignment::Map { .. } => {
                 self.align.pull().map_or(0, Pull::iterations).min(self.iterations)
@@ -207,7 +209,8 @@ pub fn expected_visits(map: &NormalMap, settings: &FitSettings) -> Vec<u64> {
     let passes = unaligned::most_passes(settings) + settings.aligned_passes() + colored;
     let per_level = (map.len() * passes) as u64;
     let levels = map.level_sizes().len();
-    (0..levels).map(|level| if level == 0 { map.len() as u64 } else { per_level }).collect()
+    let rounds = |level| if level + 1 < levels { between::rounds(settings, level) * map.len() } else { 0 };
+    (0..levels).map(|level| if level == 0 { map.len() as u64 } else { per_level + rounds(level) as u64 }).collect()
 }
 
 /// Fits every level of `map` on the current thread pool, reporting each as it is done: the unaligned fit from the
@@ -231,6 +234,7 @@ pub fn fit(
         keep(&mut lobes, level, mixtures, stats, !aligns, report);
     }
     if aligns {
+        let looks = if between::refines(settings) { Some(Looks::new(map, monitor)?) } else { None };
         // The top is shared by both fits; alignment starts below it.
         for level in (1..lobes.levels() - 1).rev() {
             let timed = std::time::Instant::now();
@@ -238,7 +242,15 @@ pub fn fit(
             lobes.coarse[level - 1] = None;
             let (mixtures, mut stats) = match (settings.align, settings.align.pull()) {
                 (_, Some(pull)) => scanline::fit_level(&lobes, level, pull, settings, monitor)?,
-                (Alignment::Smooth { blend }, _) => smooth::fit_level(&lobes, level, blend, settings, monitor)?,
+                (Alignment::Smooth { blend }, _) => {
+                    let mut mixtures = smooth::pass_over(&lobes, level, blend, settings, monitor)?;
+                    let rounds = between::rounds(settings, level);
+                    if let (Some(looks), true) = (&looks, rounds > 0) {
+                        between::refine(map, looks, level, &mut mixtures, rounds, monitor)?;
+                    }
+                    let stats = smooth::stats(map, &mixtures, settings, monitor)?;
+                    (mixtures, stats)
+                }
                 _ => break,
             };
             stats.seconds = timed.elapsed().as_secs_f64();

@@ -2,8 +2,10 @@
 
 pub mod appearance;
 pub mod base_slots;
+pub mod between;
 pub mod bins;
 pub mod children;
+pub mod cholesky;
 pub mod coherence;
 pub mod color;
 pub mod em;
@@ -12,12 +14,14 @@ pub mod fold;
 pub mod gauss_newton;
 pub mod kernel;
 pub mod likelihood;
+pub mod looks;
 pub mod merge;
 pub mod monitor;
 pub mod objective;
 pub mod phi;
 pub mod pull;
 pub mod pyramid;
+pub mod residual;
 pub mod samples;
 pub mod scanline;
 pub mod seed;
