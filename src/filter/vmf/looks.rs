@@ -21,8 +21,8 @@ pub const SHININESS: f64 = 64.0;
 /// Its mean cosine, by which it shortens a lobe's mean vector.
 pub const MEAN_COSINE: f64 = (SHININESS + 1.0) / (SHININESS + 2.0);
 
-/// Directions over the hemisphere, of which a map uses those where it is seen: 160 cost 4 % of the accuracy, 400 gain
-/// nothing.
+/// Directions over the hemisphere, of which a map uses those where it is seen: 160 cost 5 % of the accuracy that
+/// 256 have, 100 cost 17 %.
 pub const MOST_DIRECTIONS: usize = 13 * LANES;
 
 /// A direction is used where the whole map looks this bright, against its brightest.
