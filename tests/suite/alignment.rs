@@ -3,19 +3,21 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use ndf_inspector::filter::vmf::coherence;
+use ndf_inspector::filter::vmf::coherence::{self, Between, Blend, Interpolation};
 use ndf_inspector::filter::vmf::em::TexelLobes;
 use ndf_inspector::filter::vmf::pull::Pull;
 use ndf_inspector::filter::vmf::samples::FootprintSamples;
 use ndf_inspector::filter::vmf::scanline::PulledTexel;
-use ndf_inspector::filter::vmf::{Alignment, FitSettings, LobePyramid, MixtureLevel, smooth};
+use ndf_inspector::filter::vmf::{
+    Alignment, FitSettings, LobePyramid, MixtureLevel, Monitor, Objective, between, looks::Looks, smooth,
+};
 use ndf_inspector::normal_map::pyramid::Footprint;
 use ndf_inspector::normal_map::{Addressing, NormalMap, procedural};
 use ndf_inspector::sphere::mixture::EMPTY_WEIGHT;
 use ndf_inspector::sphere::vmf::KappaRule;
 
-use crate::fit::fitted;
-use crate::gpu::maps::{map as map_of, rough};
+use crate::fit::{HOSTILE, assert_sound, fitted};
+use crate::gpu::maps::{map as map_of, noise, rough};
 
 fn settings(align: Alignment) -> FitSettings {
     FitSettings { align, lobes: 4, iterations: 30, ..FitSettings::default() }
@@ -250,4 +252,95 @@ fn the_figures_are_the_same_on_one_thread_and_on_many() {
         pool.install(|| coherence::measure(&lobes, 2))
     };
     assert_eq!(run(1), run(5));
+}
+
+/// Aligned lobes that steps between texels are to refine.
+fn refining() -> FitSettings {
+    FitSettings { objective: Objective::APPEARANCE, ..FitSettings::default() }
+}
+
+#[test]
+fn steps_between_texels_never_raise_what_they_lower() {
+    for map in [sample("waves", 64), sample("bricks", 64), rough(37, 22, Addressing::Clamp)] {
+        let settings = refining();
+        let lobes = fitted(&map, &settings);
+        let monitor = Monitor::new(vec![1; lobes.levels()]);
+        let looks = Looks::new(&map, &monitor).expect("nobody cancels");
+        for level in 2..lobes.levels() - 1 {
+            let mut mixtures = smooth::pass_over(&lobes, level, 0.15, &settings, &monitor).expect("nobody cancels");
+            let mut refine =
+                |rounds| between::refine(&map, &looks, level, &mut mixtures, rounds, &monitor).expect("nobody cancels");
+            let (start, _) = refine(0);
+            let mut energy = start;
+            for rounds in [1, 2, 5] {
+                let (before, after) = refine(rounds);
+                assert_eq!(before, energy, "level {level}: E is that of the lobes");
+                assert!(after <= before, "level {level}: {before} to {after}");
+                energy = after;
+            }
+            assert!(energy < start, "level {level}: some round was kept");
+        }
+    }
+}
+
+#[test]
+fn steps_between_texels_mend_what_is_interpolated() {
+    for name in ["waves", "plate", "flakes"] {
+        let map = sample(name, 128);
+        let error = |objective| {
+            let lobes = fitted(&map, &FitSettings { objective, ..FitSettings::default() });
+            let at = |level| Interpolation::new(&map, level, Between::Texels).error(&lobes, Blend::Lobes);
+            (2..=5).map(at).sum::<f64>() / 4.0
+        };
+        let (without, with) = (error(Objective::Appearance { steps: 0 }), error(Objective::APPEARANCE));
+        assert!(with < 0.85 * without, "{name}: {without} to {with}");
+    }
+}
+
+#[test]
+fn a_map_mirrored_flipped_or_turned_is_mended_as_much() {
+    let map = sample("waves", 64);
+    let error = |map: &Arc<NormalMap>| {
+        let lobes = fitted(map, &refining());
+        let at = |level| Interpolation::new(map, level, Between::Texels).error(&lobes, Blend::Lobes);
+        (2..=4).map(at).sum::<f64>() / 3.0
+    };
+    let straight = error(&map);
+    for (how, other) in turned(&map) {
+        let other = error(&other);
+        // The directions that looks are taken in are not mirrored with the map.
+        assert!((other / straight - 1.0).abs() < 0.1, "{how}: {straight} and {other}");
+    }
+}
+
+#[test]
+fn steps_between_texels_survive_hostile_maps() {
+    for normal in HOSTILE {
+        for addressing in [Addressing::Wrap, Addressing::Clamp] {
+            assert_sound(&fitted(&map_of(32, 32, addressing, |x, y| normal(y * 32 + x)), &refining()));
+        }
+        let down = map_of(16, 16, Addressing::Wrap, |x, y| normal(y * 16 + x) * Vec3::new(1.0, 1.0, -1.0));
+        assert_sound(&fitted(&down, &refining()));
+    }
+    for (width, height) in [(1, 1), (1, 70), (37, 1), (7, 5), (45, 70)] {
+        for addressing in [Addressing::Wrap, Addressing::Clamp] {
+            let map = map_of(width, height, addressing, |x, y| {
+                let i = y * width + x;
+                if i % 11 == 3 { Vec3::ZERO } else { Vec3::new(noise(i) - 0.5, noise(i + 999) - 0.5, 0.4) }
+            });
+            for lobes in [1, 2, 6, 16] {
+                assert_sound(&fitted(&map, &FitSettings { lobes, ..refining() }));
+            }
+        }
+    }
+}
+
+#[test]
+fn steps_between_texels_give_the_same_bits_on_one_thread_and_on_many() {
+    let map = rough(90, 52, Addressing::Clamp);
+    let run = |threads| {
+        let pool = ndf_inspector::jobs::fit_pool(Some(threads)).expect("threads");
+        pool.install(|| fitted(&map, &refining()))
+    };
+    assert_eq!(run(1).coarse, run(3).coarse);
 }

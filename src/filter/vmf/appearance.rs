@@ -4,8 +4,8 @@
 //! Likelihood weighs lobes that no material can tell apart; the blur of a usual material does not. The merge changes
 //! the shaded mixture least in squared error, and the steps lower that error itself ([`super::phi`]).
 //!
-//! Steps from aligned lobes were tried and left out: they mend the texel (s = 64: .0226 to .0201) and spoil the blend
-//! midway between texels (.0411 to .0455), for neighbours then disagree again.
+//! Such steps from aligned lobes mend the texel (s = 64: .0226 to .0201) and spoil the blend midway between texels
+//! (.0411 to .0455), for neighbours then disagree again: there [`super::between`] moves all texels together.
 
 use super::children::Children;
 use super::em::{self, Stop, TexelFit, TexelLobes};

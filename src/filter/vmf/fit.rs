@@ -8,12 +8,13 @@ use serde::{Deserialize, Serialize};
 use super::coherence::Coherence;
 use super::color::{self, ColorLevel};
 use super::em::Stop;
+use super::looks::Looks;
 use super::monitor::{Cancelled, Monitor};
 use super::objective::Objective;
 use super::pull::Pull;
 use super::pyramid::{BaseSlots, LobePyramid, MixtureLevel};
 use super::selection::{self, Selection};
-use super::{base_slots, first, scanline, smooth, unaligned};
+use super::{base_slots, between, first, scanline, smooth, unaligned};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::StoredLobe;
@@ -158,6 +159,7 @@ impl FitSettings {
     pub fn aligned_passes(&self) -> usize {
         match self.align {
             Alignment::None => 0,
+            Alignment::Smooth { .. } if between::refines(self) => smooth::PASSES_BEFORE_STEPS.min(self.iterations),
             Alignment::Smooth { .. } => smooth::PASSES.min(self.iterations),
             Alignment::Paper { .. } | Alignment::Map { .. } => {
                 self.align.pull().map_or(0, Pull::iterations).min(self.iterations)
@@ -245,7 +247,8 @@ pub fn expected_visits(map: &NormalMap, settings: &FitSettings) -> Vec<u64> {
     let passes = unaligned::most_passes(settings) + settings.aligned_passes() + colored;
     let per_level = (map.len() * passes) as u64;
     let levels = map.level_sizes().len();
-    (0..levels).map(|level| if level == 0 { map.len() as u64 } else { per_level }).collect()
+    let rounds = |level| if level + 1 < levels { between::rounds(settings, level) * map.len() } else { 0 };
+    (0..levels).map(|level| if level == 0 { map.len() as u64 } else { per_level + rounds(level) as u64 }).collect()
 }
 
 /// Fits every level of `map` on the current thread pool, reporting each as it is done: the unaligned fit from the
@@ -317,6 +320,8 @@ fn align(
     let slots = if selects { selection::slots(lobes) } else { settings.lobes };
     let aligned = FitSettings { lobes: slots, selection: Selection::Fixed, ..*settings };
     let top = lobes.levels() - 1;
+    let map = Arc::clone(&lobes.map);
+    let looks = if between::refines(&aligned) { Some(Looks::new(&map, monitor)?) } else { None };
     // The top is shared by both fits; alignment starts below it.
     match lobes.level(top).cloned() {
         // Every slot below descends from one of the top, so the top has to fill them all.
@@ -333,7 +338,7 @@ fn align(
         lobes.coarse[level - 1] = None;
         let (mixtures, mut stats) = match (settings.align, settings.align.pull()) {
             (_, Some(pull)) => scanline::fit_level(lobes, level, pull, &aligned, monitor)?,
-            (Alignment::Smooth { blend }, _) => smooth::fit_level(lobes, level, blend, &aligned, monitor)?,
+            (Alignment::Smooth { blend }, _) => smoothed(lobes, level, blend, looks.as_ref(), &aligned, monitor)?,
             (Alignment::None | Alignment::Paper { .. } | Alignment::Map { .. }, None) => break,
         };
         stats.seconds = timed.elapsed().as_secs_f64();
@@ -354,6 +359,24 @@ fn align(
         }
     }
     Ok(())
+}
+
+/// A level aligned by `smooth`, and refined where the objective asks for it.
+fn smoothed(
+    lobes: &LobePyramid,
+    level: usize,
+    blend: f32,
+    looks: Option<&Looks>,
+    settings: &FitSettings,
+    monitor: &Monitor,
+) -> Result<(MixtureLevel, LevelStats), Cancelled> {
+    let mut mixtures = smooth::pass_over(lobes, level, blend, settings, monitor)?;
+    let rounds = between::rounds(settings, level);
+    if let (Some(looks), true) = (looks, rounds > 0) {
+        between::refine(&lobes.map, looks, level, &mut mixtures, rounds, monitor)?;
+    }
+    let stats = smooth::stats(&lobes.map, &mixtures, settings, monitor)?;
+    Ok((mixtures, stats))
 }
 
 fn keep(

@@ -11,6 +11,7 @@ use std::cell::RefCell;
 
 use glam::DVec3;
 
+use super::cholesky;
 use super::em::TexelLobes;
 use super::phi::{Evaluation, LobeStep, MOMENTS, Pair, Parameters, pair_index};
 use super::samples::Samples;
@@ -225,35 +226,14 @@ impl Equations {
         }
     }
 
-    /// Solves `matrix x = gradient` by Cholesky's method, in place; `None` where the matrix is not positive.
+    /// Solves `matrix x = gradient` in place; `None` where the matrix is not positive.
     fn solve(&mut self) -> Option<[f64; MOST]> {
-        let n = self.unknowns;
-        for k in 0..n {
-            let pivot = self.matrix[k][k];
-            if pivot.is_nan() || pivot <= 0.0 {
-                return None;
-            }
-            let inverse = 1.0 / pivot.sqrt();
-            self.matrix[k][k..n].iter_mut().for_each(|value| *value *= inverse);
-            let (above, below) = self.matrix.split_at_mut(k + 1);
-            let row = &above[k][..n];
-            for (i, target) in (k + 1..n).zip(below) {
-                let factor = row[i];
-                target[i..n].iter_mut().zip(&row[i..]).for_each(|(value, &r)| *value -= factor * r);
-            }
+        if !cholesky::factor(&mut self.matrix, self.unknowns) {
+            return None;
         }
         let mut x = self.gradient;
-        for i in 0..n {
-            x[i] /= self.matrix[i][i];
-            for k in i + 1..n {
-                x[k] -= self.matrix[i][k] * x[i];
-            }
-        }
-        for i in (0..n).rev() {
-            let sum: f64 = (i + 1..n).map(|k| self.matrix[i][k] * x[k]).sum();
-            x[i] = (x[i] - sum) / self.matrix[i][i];
-        }
-        x[..n].iter().all(|value| value.is_finite()).then_some(x)
+        cholesky::solve(&self.matrix, self.unknowns, &mut x);
+        x[..self.unknowns].iter().all(|value| value.is_finite()).then_some(x)
     }
 }
 

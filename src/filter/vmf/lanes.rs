@@ -70,6 +70,12 @@ pub fn exp2_of_negative<const FMA: bool>(v: f32) -> f32 {
     f32::from_bits(p.to_bits().wrapping_add(shifted.to_bits().wrapping_shl(23)))
 }
 
+/// `exp(v)` for `v <= 0`, through [`exp2_of_negative`].
+#[inline(always)]
+pub fn exp_of_negative<const FMA: bool>(v: f32) -> f32 {
+    exp2_of_negative::<FMA>(v * std::f32::consts::LOG2_E)
+}
+
 /// `ln(v)` for normal positive `v`, relative error 1e-6: the polynomial of Cephes (Moshier 1992) without branches.
 #[inline(always)]
 pub fn ln_of_positive<const FMA: bool>(v: f32) -> f32 {

@@ -2,9 +2,11 @@
 
 pub mod appearance;
 pub mod base_slots;
+pub mod between;
 pub mod bins;
 pub mod brdf_error;
 pub mod children;
+pub mod cholesky;
 pub mod coherence;
 pub mod color;
 pub mod crowd;
@@ -18,12 +20,14 @@ pub mod kernel;
 pub mod lanes;
 pub mod likelihood;
 pub mod lobe_lanes;
+pub mod looks;
 pub mod merge;
 pub mod monitor;
 pub mod objective;
 pub mod phi;
 pub mod pull;
 pub mod pyramid;
+pub mod residual;
 pub mod samples;
 pub mod scanline;
 pub mod seed;

@@ -29,6 +29,9 @@ use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 /// Jacobi passes per level.
 pub const PASSES: usize = 20;
 
+/// Jacobi passes per level where the steps of [`super::between`] follow: more gain nothing that is left after them.
+pub const PASSES_BEFORE_STEPS: usize = 10;
+
 /// Least weight of a lobe in the E-step's mixture, so that a slot which neighbours fill can be filled here.
 const LEAST_WEIGHT: f64 = 0.02;
 
@@ -44,6 +47,19 @@ pub fn fit_level(
     settings: &FitSettings,
     monitor: &Monitor,
 ) -> Result<(MixtureLevel, LevelStats), Cancelled> {
+    let mixtures = pass_over(lobes, level, blend, settings, monitor)?;
+    let stats = stats(&lobes.map, &mixtures, settings, monitor)?;
+    Ok((mixtures, stats))
+}
+
+/// The passes over one level.
+pub fn pass_over(
+    lobes: &LobePyramid,
+    level: usize,
+    blend: f32,
+    settings: &FitSettings,
+    monitor: &Monitor,
+) -> Result<MixtureLevel, Cancelled> {
     let Some(coarse) = lobes.level(level + 1) else { return Err(Cancelled) };
     let map = lobes.map.as_ref();
     let size = map.level_sizes()[level];
@@ -63,8 +79,18 @@ pub fn fit_level(
         })?;
         std::mem::swap(&mut current, &mut next);
     }
-    let stats = likelihood(map, &current, settings, monitor)?;
-    Ok((current, LevelStats { mean_iterations: settings.aligned_passes() as f64, ..stats }))
+    Ok(current)
+}
+
+/// What a finished level came to.
+pub fn stats(
+    map: &NormalMap,
+    mixtures: &MixtureLevel,
+    settings: &FitSettings,
+    monitor: &Monitor,
+) -> Result<LevelStats, Cancelled> {
+    let stats = likelihood(map, mixtures, settings, monitor)?;
+    Ok(LevelStats { mean_iterations: settings.aligned_passes() as f64, ..stats })
 }
 
 /// Seeds every texel of `fine` with the bilinear blend of the four coarse texels around it.
