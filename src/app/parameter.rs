@@ -131,12 +131,17 @@ pub fn choice<T: Copy + PartialEq>(
 }
 
 /// A drop-down without a label, as wide as what is left of the row.
-pub fn combo<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices: &[(T, &str)]) -> Response {
-    let text = choices.iter().find(|(value, _)| value == chosen).map_or("", |(_, text)| text);
+pub fn combo<T: Copy + PartialEq, S: AsRef<str>>(
+    ui: &mut Ui,
+    name: &str,
+    chosen: &mut T,
+    choices: &[(T, S)],
+) -> Response {
+    let text = choices.iter().find(|(value, _)| value == chosen).map_or("", |(_, text)| text.as_ref());
     let combo = egui::ComboBox::from_id_salt(name).selected_text(text).width(ui.available_width()).truncate();
     let shown = combo.show_ui(ui, |ui| {
-        for &(value, text) in choices {
-            ui.selectable_value(chosen, value, text);
+        for (value, text) in choices {
+            ui.selectable_value(chosen, *value, text.as_ref());
         }
     });
     shown.response.accessible_name(name)

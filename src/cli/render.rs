@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 
 use super::options::{FitArguments, MapArguments, wait_for_fit};
 use crate::brdf::Brdf;
-use crate::filter::MethodChoice;
+use crate::filter::{MethodChoice, Rival};
 use crate::gpu::context::Gpu;
 use crate::gpu::{FrameInput, render_to_rgba8};
 use crate::image_io::write_png_rgba8;
@@ -46,7 +46,8 @@ pub struct SceneArguments {
     /// A session file to start from.
     #[arg(long, value_name = "FILE")]
     pub session: Option<PathBuf>,
-    /// One method over the whole picture: truth, mip, vmf:J or vmf:J:unaligned.
+    /// One method over the whole picture: truth, mip, mip-unnormalised, toksvig, lean, gmm:N, sh:LMAX, vmf:J or
+    /// vmf:J:unaligned.
     #[arg(long, value_name = "METHOD", conflicts_with_all = ["left", "right"])]
     pub method: Option<MethodChoice>,
     /// The method left of the wipe.
@@ -189,6 +190,11 @@ impl RenderCommand {
             session.begin(*session.fit_settings());
             wait_for_fit(&mut session)?;
         }
+        for method in shown.into_iter().filter_map(|(is_seen, method)| is_seen.then_some(method)) {
+            let is_drawn = method.rival().is_none_or(Rival::is_drawn);
+            anyhow::ensure!(is_drawn, "{method} is too much for a picture; probe takes it.");
+        }
+        session.wait_for_channels();
         let PictureSize(size) = self.size;
         let input = FrameInput {
             surface: &session.surface,
@@ -197,6 +203,7 @@ impl RenderCommand {
             fold: session.fitting().fold(),
             left: comparison.left,
             right: comparison.right,
+            channels: session.channels(),
             wipe: comparison.wipe,
             size,
         };

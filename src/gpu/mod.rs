@@ -9,6 +9,7 @@ pub mod map_group;
 pub mod passes;
 pub mod picture;
 pub mod readback;
+pub mod rival_textures;
 pub mod textures;
 pub mod upload;
 

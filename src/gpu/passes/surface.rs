@@ -3,9 +3,11 @@
 use std::collections::HashMap;
 
 use crate::brdf::ConvolutionRule;
+use crate::filter::rival::{Rival, RivalKind};
 use crate::filter::Method;
 use crate::filter::vmf::Fold;
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer};
+use crate::gpu::rival_textures::RivalTextures;
 use crate::gpu::textures::MapTextures;
 use crate::lit_surface::{LevelChoice, LitSurface};
 use crate::scene::{ShapeKind, Vertex};
@@ -24,6 +26,11 @@ pub const SHADER: [&str; 6] = [
     layout::TRUTH,
     include_str!("../../../shaders/surface.wgsl"),
 ];
+
+/// The parts of a rival's shader, in order: the surface's, the entry point, the method's own.
+pub fn rival_shader(kind: &RivalKind) -> Vec<&'static str> {
+    SHADER.into_iter().chain([layout::RIVAL, kind.shader]).collect()
+}
 
 /// The frame's constants; `Frame` in the shader.
 #[repr(C)]
@@ -55,8 +62,6 @@ pub struct FrameData {
     pub tiling: [f32; 2],
     /// Texels of the map's base level.
     pub base_size: [f32; 2],
-    /// Levels that `mip` may read.
-    pub mip_lods: [f32; 2],
     /// Levels that `vmf` may read.
     pub vmf_lods: [f32; 2],
     /// The map's level that the means begin with.
@@ -75,6 +80,8 @@ pub struct FrameData {
     pub colored: u32,
     /// Nothing.
     pub padding: u32,
+    /// Nothing.
+    pub more_padding: [u32; 2],
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
 }
@@ -119,11 +126,35 @@ impl FrameData {
 /// Pipelines, meshes and constants.
 #[derive(Debug)]
 pub struct SurfacePass {
-    pipelines: [wgpu::RenderPipeline; 4],
+    truth: wgpu::RenderPipeline,
+    vmf: wgpu::RenderPipeline,
+    vmf_unaligned: wgpu::RenderPipeline,
+    /// By name, each compiled when it is first shown.
+    rivals: HashMap<&'static str, wgpu::RenderPipeline>,
     constants: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
-    sum_layout: wgpu::BindGroupLayout,
+    layouts: Layouts,
     meshes: HashMap<ShapeKind, MeshBuffers>,
+}
+
+/// The bind groups' layouts: group 0, group 1, and the two that group 2 may have.
+#[derive(Debug)]
+struct Layouts {
+    frame: wgpu::BindGroupLayout,
+    map: wgpu::BindGroupLayout,
+    sum: wgpu::BindGroupLayout,
+    rival: wgpu::BindGroupLayout,
+}
+
+/// What a method reads beside the map.
+#[derive(Clone, Copy, Debug)]
+pub enum Reads<'a> {
+    /// Nothing.
+    Nothing,
+    /// The truth's sum so far.
+    Sum(&'a Target),
+    /// A rival's channels.
+    Channels(&'a RivalTextures),
 }
 
 #[derive(Debug)]
@@ -157,16 +188,43 @@ impl SurfacePass {
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM]);
         let sum_type = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
-        let sum_layout = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[sum_type]);
+        let sum = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[sum_type]);
+        let layouts = Layouts { frame, map: map.clone(), sum, rival: RivalTextures::layout(device) };
         let shader = layout::shader(device, "surface", &SHADER);
-        let pipelines = Method::ALL.map(|method| {
-            let groups = [Some(&frame), Some(map), Some(&sum_layout)];
-            let used = if method == Method::Truth { &groups[..] } else { &groups[..2] };
-            pipeline(device, &shader, method, used)
-        });
+        let shared = [Some(&layouts.frame), Some(&layouts.map)];
+        let with_sum = [Some(&layouts.frame), Some(&layouts.map), Some(&layouts.sum)];
         let constants = uniform_buffer::<FrameData>(device, "surface frame");
-        let frame_group = bind_group(device, "surface frame", &frame, &[constants.as_entire_binding()]);
-        Self { pipelines, constants, frame_group, sum_layout, meshes: HashMap::new() }
+        let frame_group = bind_group(device, "surface frame", &layouts.frame, &[constants.as_entire_binding()]);
+        Self {
+            truth: pipeline(device, &shader, "truth", &with_sum),
+            vmf: pipeline(device, &shader, "vmf", &shared),
+            vmf_unaligned: pipeline(device, &shader, "vmf_unaligned", &shared),
+            rivals: HashMap::new(),
+            constants,
+            frame_group,
+            layouts,
+            meshes: HashMap::new(),
+        }
+    }
+
+    /// No channels yet, of a rival that is to be drawn.
+    pub fn rival_textures(&mut self, device: &wgpu::Device, rival: Rival) -> RivalTextures {
+        let layouts = &self.layouts;
+        self.rivals.entry(rival.kind.name).or_insert_with(|| {
+            let shader = layout::shader(device, rival.kind.name, &rival_shader(rival.kind));
+            let groups = [Some(&layouts.frame), Some(&layouts.map), Some(&layouts.rival)];
+            pipeline(device, &shader, "rival", &groups)
+        });
+        RivalTextures::new(device, &layouts.rival)
+    }
+
+    fn pipeline(&self, method: Method) -> Option<&wgpu::RenderPipeline> {
+        match method {
+            Method::Truth => Some(&self.truth),
+            Method::Vmf => Some(&self.vmf),
+            Method::VmfUnaligned => Some(&self.vmf_unaligned),
+            Method::Rival(rival) => self.rivals.get(rival.kind.name),
+        }
     }
 
     /// A picture to draw into, with depth of its own.
@@ -178,7 +236,7 @@ impl SurfacePass {
         let view = color.create_view(&wgpu::TextureViewDescriptor { label: Some(label), ..Default::default() });
         let depth_label = wgpu::TextureViewDescriptor { label: Some("surface depth"), ..Default::default() };
         let resource = wgpu::BindingResource::TextureView(&view);
-        let as_sum = bind_group(device, "truth so far", &self.sum_layout, &[resource]);
+        let as_sum = bind_group(device, "truth so far", &self.layouts.sum, &[resource]);
         Target { depth: depth.create_view(&depth_label), as_sum, color, view }
     }
 
@@ -188,22 +246,24 @@ impl SurfacePass {
         self.meshes.entry(kind).or_insert_with(|| MeshBuffers::new(device, queue, kind));
     }
 
-    /// Draws `kind` by `method` into `target`; the truth adds to `sum`.
+    /// Draws `kind` by `method` into `target`.
     pub fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (kind, method): (ShapeKind, Method),
         map: &MapTextures,
         target: &Target,
-        sum: Option<&Target>,
+        reads: Reads<'_>,
     ) {
-        let Some(mesh) = self.meshes.get(&kind) else { return };
+        let (Some(mesh), Some(pipeline)) = (self.meshes.get(&kind), self.pipeline(method)) else { return };
         let mut pass = begin(encoder, target);
-        pass.set_pipeline(&self.pipelines[index(method)]);
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.frame_group, &[]);
         pass.set_bind_group(1, map.bind_group(), &[]);
-        if let Some(sum) = sum {
-            pass.set_bind_group(2, &sum.as_sum, &[]);
+        match reads {
+            Reads::Nothing => {}
+            Reads::Sum(sum) => pass.set_bind_group(2, &sum.as_sum, &[]),
+            Reads::Channels(channels) => pass.set_bind_group(2, channels.bind_group(), &[]),
         }
         pass.set_vertex_buffer(0, mesh.vertices.slice(..));
         pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
@@ -213,26 +273,6 @@ impl SurfacePass {
     /// Empties `target`.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
         drop(begin(encoder, target));
-    }
-}
-
-/// The place of a method in [`Method::ALL`].
-pub fn index(method: Method) -> usize {
-    match method {
-        Method::Truth => 0,
-        Method::Mip => 1,
-        Method::Vmf => 2,
-        Method::VmfUnaligned => 3,
-    }
-}
-
-/// The shader's entry point.
-fn entry_point(method: Method) -> &'static str {
-    match method {
-        Method::Truth => "truth",
-        Method::Mip => "mip",
-        Method::Vmf => "vmf",
-        Method::VmfUnaligned => "vmf_unaligned",
     }
 }
 
@@ -297,7 +337,7 @@ fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, target: &Target) -> wgpu::Re
 fn pipeline(
     device: &wgpu::Device,
     shader: &wgpu::ShaderModule,
-    method: Method,
+    entry_point: &str,
     groups: &[Option<&wgpu::BindGroupLayout>],
 ) -> wgpu::RenderPipeline {
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -307,7 +347,7 @@ fn pipeline(
     });
     let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2];
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(method.name()),
+        label: Some(entry_point),
         layout: Some(&layout),
         vertex: wgpu::VertexState {
             module: shader,
@@ -331,7 +371,7 @@ fn pipeline(
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: shader,
-            entry_point: Some(entry_point(method)),
+            entry_point: Some(entry_point),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(COLOR_FORMAT.into())],
         }),

@@ -6,10 +6,13 @@ mod layouts;
 pub mod maps;
 mod twins;
 
+use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-use ndf_inspector::filter::vmf::{Fold, LobePyramid};
-use ndf_inspector::filter::{Method, PlainMip};
+use ndf_inspector::filter::channels::ChannelPyramid;
+use ndf_inspector::filter::rival::Source;
+use ndf_inspector::filter::vmf::{Fold, LobePyramid, Monitor, Rules};
+use ndf_inspector::filter::{Method, PlainMip, Rival, RivalFilter};
 use ndf_inspector::gpu::{FrameInput, Gpu};
 use ndf_inspector::lit_surface::LitSurface;
 use ndf_inspector::normal_map::NormalMap;
@@ -27,13 +30,25 @@ struct Scene {
     fold: Fold,
     surface: LitSurface,
     size: [u32; 2],
+    channels: HashMap<Method, Arc<ChannelPyramid>>,
 }
 
 impl Scene {
     fn new(map: Arc<NormalMap>, lobes: usize) -> Self {
         let lobes = maps::mixtures(&map, lobes);
         let mip = Arc::new(PlainMip::new(map));
-        Self { mip, lobes, fold: Fold::default(), surface: LitSurface::default(), size: [192, 144] }
+        Self { mip, lobes, fold: Fold::default(), surface: LitSurface::default(), size: [192, 144], channels: HashMap::new() }
+    }
+
+    /// Builds a rival, which the adapter then finds the channels of.
+    fn build(&mut self, rival: Rival) -> Arc<dyn RivalFilter> {
+        let monitor = Monitor::new(Vec::new());
+        let source = Source { mip: &self.mip, rules: Rules::default(), monitor: &monitor };
+        let filter = rival.build(&source).expect("nobody cancels");
+        if let Some(channels) = filter.channels(&monitor).expect("nobody cancels") {
+            self.channels.insert(Method::Rival(rival), Arc::clone(channels));
+        }
+        filter
     }
 
     fn map(&self) -> &Arc<NormalMap> {
@@ -53,6 +68,7 @@ impl Scene {
             fold: self.fold,
             left: method,
             right: method,
+            channels: [self.channels.get(&method); 2],
             wipe: 1.0,
             size: self.size,
         }

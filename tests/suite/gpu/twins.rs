@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use ndf_inspector::brdf::ConvolutionRule;
 use ndf_inspector::color::srgb8_from_linear;
 use ndf_inspector::filter::vmf::{Fold, Rules};
-use ndf_inspector::filter::{Filter, LocalLight, Lookup, Method, Truth, UnalignedVmf, VmfFilter};
+use ndf_inspector::filter::{Filter, LocalLight, Lookup, Method, Rival, Truth, UnalignedVmf, VmfFilter};
 use ndf_inspector::gpu::{FrameBudget, PICTURE_FORMAT, SurfaceFrame};
 use ndf_inspector::lit_surface::LevelChoice;
 use ndf_inspector::normal_map::Addressing;
@@ -17,15 +17,15 @@ use super::{Scene, gpu, maps};
 /// Enough that one sample which falls on the other side of a texel's edge by a rounding changes less than 1/255.
 const SAMPLES: u32 = 256;
 
-fn on_processor(scene: &Scene, method: Method) -> Picture {
+fn on_processor(scene: &mut Scene, method: Method) -> Picture {
     let map = scene.map().clone();
     let base = (map.width, map.height);
     let vmf = || VmfFilter { lobes: Arc::new(scene.lobes.clone()), fold: scene.fold, rules: Rules::default() };
-    let filter: Box<dyn Filter> = match method {
-        Method::Truth => Box::new(Truth { map, samples: SAMPLES }),
-        Method::Mip => Box::new((*scene.mip).clone()),
-        Method::Vmf => Box::new(vmf()),
-        Method::VmfUnaligned => Box::new(UnalignedVmf(vmf())),
+    let filter: Arc<dyn Filter> = match method {
+        Method::Truth => Arc::new(Truth { map, samples: SAMPLES }),
+        Method::Vmf => Arc::new(vmf()),
+        Method::VmfUnaligned => Arc::new(UnalignedVmf(vmf())),
+        Method::Rival(rival) => scene.build(rival),
     };
     reference::render(&scene.surface, &*filter, scene.size, scene.full_lod_range(), base)
 }
@@ -55,8 +55,9 @@ fn differences(a: &Picture, b: &Picture) -> Vec<u8> {
 }
 
 /// Asserts that adapter and processor agree within 1/255 on 99.9 % of the pixels; prints the worst one.
-fn assert_twins(scene: &Scene, method: Method, what: &str) {
-    let (adapter, processor) = (on_adapter(scene, method), on_processor(scene, method));
+fn assert_twins(scene: &mut Scene, method: Method, what: &str) {
+    let processor = on_processor(scene, method);
+    let adapter = on_adapter(scene, method);
     let seen: Vec<Vec3> = (0..adapter.rgb.len()).filter(|&i| adapter.covered[i]).map(|i| adapter.rgb[i]).collect();
     let brightest = seen.iter().map(|c| c.max_element()).fold(0.0, f32::max);
     let darkest = seen.iter().map(|c| c.max_element()).fold(f32::MAX, f32::min);
@@ -86,7 +87,7 @@ fn assert_twins_everywhere(method: Method) {
                 let mut scene = Scene::new(map.clone(), 6);
                 scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
                 scene.surface.camera.distance = distance;
-                assert_twins(&scene, method, &format!("{method}, {what} {kind:?} at {distance}"));
+                assert_twins(&mut scene, method, &format!("{method}, {what} {kind:?} at {distance}"));
             }
         }
     }
@@ -98,8 +99,10 @@ fn truth_on_the_adapter_equals_its_twin() {
 }
 
 #[test]
-fn mip_on_the_adapter_equals_its_twin() {
-    assert_twins_everywhere(Method::Mip);
+fn every_rival_on_the_adapter_equals_its_twin() {
+    for rival in Rival::offered() {
+        assert_twins_everywhere(Method::Rival(rival));
+    }
 }
 
 #[test]
@@ -141,10 +144,10 @@ fn maps_of_any_size_and_either_addressing_have_twins() {
     for (width, height, addressing) in
         [(40, 23, Addressing::Clamp), (40, 23, Addressing::Wrap), (1, 7, Addressing::Wrap), (1, 1, Addressing::Clamp)]
     {
-        for method in Method::ALL {
+        for method in Method::offered() {
             let mut scene = Scene::new(maps::rough(width, height, addressing), 3);
             scene.surface.shape = Shape { kind: ShapeKind::Sphere, tiling: [3.0, 2.0] };
-            assert_twins(&scene, method, &format!("{method} of {width}x{height}, {addressing:?}"));
+            assert_twins(&mut scene, method, &format!("{method} of {width}x{height}, {addressing:?}"));
         }
     }
 }
@@ -157,7 +160,22 @@ fn every_convolution_rule_has_a_twin() {
             scene.surface.material.convolution = rule;
             scene.surface.material.shininess = shininess;
             scene.surface.exposure_stops = -1.0;
-            assert_twins(&scene, Method::Vmf, &format!("{} at s {shininess}", rule.label()));
+            assert_twins(&mut scene, Method::Vmf, &format!("{} at s {shininess}", rule.label()));
+        }
+    }
+}
+
+#[test]
+fn the_papers_multipliers_have_a_twin_and_so_have_soft_and_sharp_materials() {
+    for rival in Rival::offered().filter(|rival| rival.kind.has_channels) {
+        for (shininess, convolution) in
+            [(1.0, ConvolutionRule::Paper), (10.0, ConvolutionRule::Paper), (400.0, ConvolutionRule::ShiftedExponent)]
+        {
+            let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 1);
+            scene.surface.material.convolution = convolution;
+            scene.surface.material.shininess = shininess;
+            scene.surface.exposure_stops = -1.0;
+            assert_twins(&mut scene, Method::Rival(rival), &format!("{rival} at s {shininess}"));
         }
     }
 }
@@ -169,8 +187,8 @@ fn a_preview_with_fewer_lobes_has_a_twin() {
     scene.fold = Fold(std::array::from_fn(|slot| [0, 1, 1, 0, 4, 1][slot.min(5)]));
     for distance in [1.2, 12.0] {
         scene.surface.camera.distance = distance;
-        assert_twins(&scene, Method::Vmf, &format!("folded at {distance}"));
-        assert_twins(&scene, Method::VmfUnaligned, &format!("unaligned and folded at {distance}"));
+        assert_twins(&mut scene, Method::Vmf, &format!("folded at {distance}"));
+        assert_twins(&mut scene, Method::VmfUnaligned, &format!("unaligned and folded at {distance}"));
     }
 }
 
@@ -179,12 +197,13 @@ fn a_fixed_level_has_a_twin_whole_or_between_two() {
     let mut scene = Scene::new(maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color), 6);
     for level in [0.0, 0.4, 1.0, 2.7, 6.0, 9.0] {
         scene.surface.level = LevelChoice::Fixed(level);
-        for method in [Method::Mip, Method::Vmf, Method::VmfUnaligned] {
+        for method in Method::offered().filter(|&method| method != Method::Truth) {
             if level < 6.0 {
-                assert_twins(&scene, method, &format!("{method} at level {level}"));
+                assert_twins(&mut scene, method, &format!("{method} at level {level}"));
             } else {
                 // One texel over the whole plane: not flat enough to fail, not rough enough to pass the check above.
-                let worst = differences(&on_adapter(&scene, method), &on_processor(&scene, method)).into_iter().max();
+                let processor = on_processor(&mut scene, method);
+                let worst = differences(&on_adapter(&scene, method), &processor).into_iter().max();
                 assert!(worst <= Some(1), "{method} at level {level}: {worst:?}");
             }
         }
@@ -203,7 +222,8 @@ fn a_flat_map_gives_the_same_picture_by_every_method_at_every_level() {
     let truth = on_adapter(&scene, Method::Truth);
     for level in 0..5 {
         scene.surface.level = LevelChoice::Fixed(level as f32);
-        for method in [Method::Mip, Method::Vmf, Method::VmfUnaligned] {
+        let of_mean_normals = Rival::offered().filter(|rival| !rival.kind.has_channels).map(Method::Rival);
+        for method in of_mean_normals.chain([Method::Vmf, Method::VmfUnaligned]) {
             let worst = differences(&on_adapter(&scene, method), &truth).into_iter().max();
             // One step: a lobe of 1/kappa = 1e-7 is not quite a delta, and rounding may fall either way.
             assert!(worst <= Some(1), "{method} at level {level}: {worst:?}");
