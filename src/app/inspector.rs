@@ -78,7 +78,10 @@ impl Inspector {
     /// True when nothing is under way: no job, no upload, no unfinished picture.
     pub fn is_settled(&self) -> bool {
         let session = &self.session;
-        let busy = session.fitting().is_running() || session.is_opening() || session.is_building() || self.report.is_gathering();
+        let busy = session.fitting().is_running()
+            || session.is_opening()
+            || session.is_building()
+            || self.report.is_gathering();
         !busy && !self.surroundings.target.status.get().wants_more
     }
 

@@ -183,16 +183,16 @@ impl RenderCommand {
     /// One sentence that names the file and the cause.
     pub fn run(self) -> anyhow::Result<()> {
         let mut session = self.scene.session()?;
-        let gpu = Gpu::headless()?;
         let comparison = session.comparison;
         let shown = [(comparison.wipe > 0.0, comparison.left), (comparison.wipe < 1.0, comparison.right)];
-        if shown.into_iter().any(|(is_seen, method)| is_seen && method.shows_lobes()) {
-            session.begin(*session.fit_settings());
-            wait_for_fit(&mut session)?;
-        }
         for method in shown.into_iter().filter_map(|(is_seen, method)| is_seen.then_some(method)) {
             let is_drawn = method.rival().is_none_or(Rival::is_drawn);
             anyhow::ensure!(is_drawn, "{method} is too much for a picture; probe takes it.");
+        }
+        let gpu = Gpu::headless()?;
+        if shown.into_iter().any(|(is_seen, method)| is_seen && method.shows_lobes()) {
+            session.begin(*session.fit_settings());
+            wait_for_fit(&mut session)?;
         }
         session.wait_for_channels();
         let PictureSize(size) = self.size;

@@ -55,7 +55,8 @@ impl ChannelPyramid {
         for index in 0..pyramid.levels.len() {
             let finer = pyramid.nested_in(index);
             let (done, rest) = pyramid.levels.split_at_mut(index);
-            let size = |index: usize| (pyramid.grids[first_level + index].width, pyramid.grids[first_level + index].height);
+            let size =
+                |index: usize| (pyramid.grids[first_level + index].width, pyramid.grids[first_level + index].height);
             let finer = finer.map(|k| Finer { size: size(k), stored: &done[k], areas: &areas[k] });
             let level = Level { map, size: size(index), channels, encode, finer };
             areas.push(level.fill(&mut rest[0], pyramid.layers, monitor)?);
@@ -171,7 +172,9 @@ impl Level<'_> {
         let columns = Span::new(finer.size.0, self.size.0, x);
         let rows = Span::new(finer.size.1, self.size.1, y);
         let mut total = 0.0;
-        for index in (rows.start..rows.end).flat_map(|y| (columns.start..columns.end).map(move |x| y * finer.size.0 + x)) {
+        for index in
+            (rows.start..rows.end).flat_map(|y| (columns.start..columns.end).map(move |x| y * finer.size.0 + x))
+        {
             let area = f64::from(finer.areas[index]);
             let stored = finer.stored[index * layers..][..layers].as_flattened();
             sum.iter_mut().zip(stored).for_each(|(sum, &stored)| *sum += area * f64::from(stored));

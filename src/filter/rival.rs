@@ -11,14 +11,8 @@ use super::vmf::{Cancelled, Monitor, Rules};
 use super::{Filter, PlainMip, gmm, harmonics, lean, plain_mip, toksvig};
 
 /// Every rival, in the order they are offered. A new method is a line here.
-pub static RIVALS: [&RivalKind; 6] = [
-    &plain_mip::KIND,
-    &plain_mip::UNNORMALISED,
-    &toksvig::KIND,
-    &lean::KIND,
-    &gmm::KIND,
-    &harmonics::KIND,
-];
+pub static RIVALS: [&RivalKind; 6] =
+    [&plain_mip::KIND, &plain_mip::UNNORMALISED, &toksvig::KIND, &lean::KIND, &gmm::KIND, &harmonics::KIND];
 
 /// What there is to know of a rival before it is built.
 #[derive(Debug)]

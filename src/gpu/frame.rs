@@ -170,8 +170,7 @@ impl SurfaceFrame {
             self.truth_samples = 0;
         }
         let both = if left == right { vec![left] } else { vec![left, right] };
-        let due: Vec<Method> =
-            both.into_iter().filter(|&method| self.is_due(method, input, &targets)).collect();
+        let due: Vec<Method> = both.into_iter().filter(|&method| self.is_due(method, input, &targets)).collect();
         if !due.is_empty() {
             let data = self.frame_data(input, size);
             self.surface.prepare(device, queue, input.surface.shape.kind, &data);

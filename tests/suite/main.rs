@@ -9,4 +9,5 @@ mod house;
 mod lobes_exr;
 mod objectives;
 mod opening;
+mod rivals;
 mod window;

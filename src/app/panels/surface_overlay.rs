@@ -53,7 +53,8 @@ fn channels_note(context: &PanelContext<'_>, method: Method) -> Option<(String, 
     let rival = method.rival()?;
     let text = if !rival.is_drawn() {
         "too many bands to draw"
-    } else if context.session.is_building() && context.session.channels_of(method).is_none() && rival.kind.has_channels {
+    } else if context.session.is_building() && context.session.channels_of(method).is_none() && rival.kind.has_channels
+    {
         "being built"
     } else {
         return None;

@@ -105,12 +105,7 @@ fn farthest_apart(samples: &PlanarSamples<'_>, count: usize) -> ([DVec2; MAX_GAU
 }
 
 /// A level below the top.
-fn fit_level(
-    map: &NormalMap,
-    pyramid: &mut ChannelPyramid,
-    level: usize,
-    monitor: &Monitor,
-) -> Result<(), Cancelled> {
+fn fit_level(map: &NormalMap, pyramid: &mut ChannelPyramid, level: usize, monitor: &Monitor) -> Result<(), Cancelled> {
     let (sizes, count) = (map.level_sizes(), pyramid.layers);
     let (width, height) = sizes[level];
     let (finer, coarse) = pyramid.levels.split_at_mut(level + 1);

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use crate::brdf::ConvolutionRule;
-use crate::filter::rival::{Rival, RivalKind};
 use crate::filter::Method;
+use crate::filter::rival::{Rival, RivalKind};
 use crate::filter::vmf::Fold;
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer};
 use crate::gpu::rival_textures::RivalTextures;

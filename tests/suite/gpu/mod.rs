@@ -37,7 +37,14 @@ impl Scene {
     fn new(map: Arc<NormalMap>, lobes: usize) -> Self {
         let lobes = maps::mixtures(&map, lobes);
         let mip = Arc::new(PlainMip::new(map));
-        Self { mip, lobes, fold: Fold::default(), surface: LitSurface::default(), size: [192, 144], channels: HashMap::new() }
+        Self {
+            mip,
+            lobes,
+            fold: Fold::default(),
+            surface: LitSurface::default(),
+            size: [192, 144],
+            channels: HashMap::new(),
+        }
     }
 
     /// Builds a rival, which the adapter then finds the channels of.

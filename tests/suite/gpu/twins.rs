@@ -99,10 +99,21 @@ fn truth_on_the_adapter_equals_its_twin() {
 }
 
 #[test]
-fn every_rival_on_the_adapter_equals_its_twin() {
-    for rival in Rival::offered() {
-        assert_twins_everywhere(Method::Rival(rival));
-    }
+fn rivals_of_the_mean_normals_on_the_adapter_equal_their_twins() {
+    assert_rivals_have_twins_everywhere(|rival| !rival.kind.has_channels);
+}
+
+#[test]
+fn rivals_with_channels_on_the_adapter_equal_their_twins() {
+    assert_rivals_have_twins_everywhere(|rival| rival.kind.has_channels);
+}
+
+/// Of each kind the last that is offered: the one of most channels.
+fn assert_rivals_have_twins_everywhere(chosen: impl Fn(&Rival) -> bool) {
+    let mut rivals: Vec<Rival> = Rival::offered().filter(chosen).collect();
+    rivals.reverse();
+    rivals.dedup_by_key(|rival| rival.kind.name);
+    rivals.into_iter().for_each(|rival| assert_twins_everywhere(Method::Rival(rival)));
 }
 
 #[test]
