@@ -25,8 +25,8 @@ struct Frame {
     first_sample: u32,
     sample_count: u32,
     colored: u32,
-    padding: u32,
-    more_padding: vec2u,
+    diffuse_rule: u32,
+    padding: vec2u,
     fold: array<vec4u, 4>,
 }
 
@@ -36,6 +36,8 @@ const EMPTY_WEIGHT: f32 = 1e-7;
 const MAX_LOBES: u32 = 16u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
+// Exact convolutions, a layer per exponent; empty where no rule asks for them.
+@group(0) @binding(1) var exact_tables: texture_2d_array<f32>;
 
 // Mean normals of every level; the first level holds the map's own normals, zero where they are invalid.
 @group(1) @binding(0) var means: texture_2d<f32>;
@@ -79,6 +81,7 @@ fn material() -> Material {
         frame.specular,
         frame.diffuse,
         frame.convolution,
+        frame.diffuse_rule,
         frame.specular_color,
         frame.diffuse_color,
     );
@@ -144,7 +147,8 @@ fn truth(point: Point) -> @location(0) vec4u {
             nearest_texel(uv.x, size.x, frame.wraps != 0u),
             nearest_texel(uv.y, size.y, frame.wraps != 0u),
         );
-        let normal = textureLoad(means, texel, 0).xyz;
+        // Unit already, but where the map's finest levels are left out and these are means.
+        let normal = normalize_or_zero(textureLoad(means, texel, 0).xyz);
         let half_cosine = dot(normal, light.half_in_tangent);
         let light_cosine = dot(normal, light.light_in_tangent);
         sum += frame.radiance * color_at(texel) * reflect(material(), frame.shininess, half_cosine, light_cosine);
@@ -217,9 +221,12 @@ fn shade_lobe(lobe: ColoredLobe, light: LocalLight, material: Material) -> vec3f
     let length = length(resultant);
     let mu = resultant / max(length, 1e-12);
     let kappa = concentration(1.0 - length);
-    let exponent = blurred_exponent(material.convolution, kappa, material.shininess);
-    let half_cosine = dot(mu, light.half_in_tangent);
-    return lobe.color * reflect(material, exponent, half_cosine, dot(mu, light.light_in_tangent));
+    let light_cosine = dot(mu, light.light_in_tangent);
+    let specular = convolved(material.convolution, kappa, material.shininess, dot(mu, light.half_in_tangent));
+    let diffuse = diffuse_cosine(material.diffuse_rule, kappa, light_cosine);
+    return lobe.color * (
+        material.specular * specular * max(light_cosine, 0.0) * material.specular_color
+        + material.diffuse * diffuse * material.diffuse_color);
 }
 
 @fragment

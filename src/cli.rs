@@ -6,6 +6,7 @@ pub mod fit;
 pub mod options;
 pub mod probe;
 pub mod render;
+pub mod rules;
 pub mod sample;
 pub mod screenshot;
 

@@ -69,7 +69,7 @@ impl<'a> Headless<'a> {
         let surroundings = Surroundings { adapter: gpu.choice.clone(), target, live: false };
         let inspector = Inspector::new(&ctx, make(wake_of(&ctx)), surroundings);
         let renderer = Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE);
-        let target = target_texture(&gpu.device, settings.size);
+        let target = readback::target(&gpu.device, "window", settings.size, FORMAT);
         Self { inspector, ctx, renderer, target, gpu, settings, passes: 0 }
     }
 
@@ -154,17 +154,4 @@ impl<'a> Headless<'a> {
         let waited = device.poll(wgpu::PollType::wait_indefinitely());
         waited.map(drop).map_err(|error| ReadbackError::Device(error.to_string()))
     }
-}
-
-fn target_texture(device: &wgpu::Device, [width, height]: [u32; 2]) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("window"),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: FORMAT,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
 }

@@ -1,13 +1,12 @@
 // Twin of filter/mod.rs and of lit_surface.rs.
 
-const TAU: f32 = 6.2831855;
-
 // A Lambertian and a Blinn-Phong part.
 struct Material {
     shininess: f32,
     specular: f32,
     diffuse: f32,
     convolution: u32,
+    diffuse_rule: u32,
     specular_color: vec3f,
     diffuse_color: vec3f,
 }
@@ -37,12 +36,7 @@ fn normalize_or_zero(v: vec3f) -> vec3f {
 
 // (Ks f(h) + Kd) max(cos, 0) of one lobe or normal (Han et al. 2007, Algorithm 2), linear RGB.
 fn reflect(material: Material, exponent: f32, half_cosine: f32, light_cosine: f32) -> vec3f {
-    // pow(0, 0) differs between processors; a cosine of 0 contributes only where the exponent is 0.
-    var power = select(0.0, 1.0, exponent == 0.0);
-    if half_cosine > 0.0 {
-        power = exp(exponent * log(half_cosine));
-    }
-    let specular = material.specular * (exponent + 1.0) / TAU * power;
+    let specular = material.specular * blinn_phong(exponent, half_cosine);
     return (specular * material.specular_color + material.diffuse * material.diffuse_color) * max(light_cosine, 0.0);
 }
 

@@ -114,6 +114,24 @@ pub fn label(ui: &mut Ui, text: &str) -> Response {
     .inner
 }
 
+/// As [`choice`], each choice with a tooltip of its own, which the row shows of the current one.
+pub fn explained_choice<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    tooltip: &str,
+    current: T,
+    choices: &[(T, &str, &str)],
+) -> Option<T> {
+    let mut chosen = current;
+    let explanation = choices.iter().find(|(value, ..)| *value == current).map_or("", |(.., text)| text);
+    let tooltip = format!("{tooltip}\n{explanation}");
+    ui.horizontal(|ui| {
+        let label = label(ui, name).on_hover_text(&tooltip);
+        explained_combo(ui, name, &mut chosen, choices).labelled_by(label.id).on_hover_text(&tooltip);
+    });
+    (chosen != current).then_some(chosen)
+}
+
 /// A labelled drop-down over named choices; the new choice, if one was made.
 pub fn choice<T: Copy + PartialEq>(
     ui: &mut Ui,
@@ -131,17 +149,25 @@ pub fn choice<T: Copy + PartialEq>(
 }
 
 /// A drop-down without a label, as wide as what is left of the row.
-pub fn combo<T: Copy + PartialEq, S: AsRef<str>>(
+pub fn combo<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices: &[(T, &str)]) -> Response {
+    let choices: Vec<_> = choices.iter().map(|&(value, text)| (value, text, "")).collect();
+    explained_combo(ui, name, chosen, &choices)
+}
+
+fn explained_combo<T: Copy + PartialEq>(
     ui: &mut Ui,
     name: &str,
     chosen: &mut T,
-    choices: &[(T, S)],
+    choices: &[(T, &str, &str)],
 ) -> Response {
-    let text = choices.iter().find(|(value, _)| value == chosen).map_or("", |(_, text)| text.as_ref());
+    let text = choices.iter().find(|(value, ..)| value == chosen).map_or("", |(_, text, _)| text);
     let combo = egui::ComboBox::from_id_salt(name).selected_text(text).width(ui.available_width()).truncate();
     let shown = combo.show_ui(ui, |ui| {
-        for (value, text) in choices {
-            ui.selectable_value(chosen, *value, text.as_ref());
+        for &(value, text, tooltip) in choices {
+            let response = ui.selectable_value(chosen, value, text);
+            if !tooltip.is_empty() {
+                response.on_hover_text(tooltip);
+            }
         }
     });
     shown.response.accessible_name(name)

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::brdf::{BlinnPhong, Brdf, ConvolutionRule};
 use crate::filter::vmf::{Fold, LobePyramid, effective_brdf};
@@ -15,6 +15,7 @@ use crate::normal_map::pyramid::Texel;
 use crate::reference::NdfPicture;
 use crate::session::Session;
 use crate::sphere::direction::hemisphere;
+use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::{Mixture, StoredLobe};
 
 /// Footprints up to this many base texels are gathered between two frames.
@@ -41,6 +42,9 @@ pub struct TexelData {
 pub struct TexelFit {
     /// Slot and lobe; empty while the level is not fitted.
     pub mixture: Mixture,
+    /// The lobes' colours y, linear RGB, in the order of the mixture; `None` for a map without colour and while they
+    /// are not fitted.
+    pub colors: Option<Vec<Vec3>>,
     /// Weighted mean over the normals of the natural log of the mixture's density.
     pub mean_log_likelihood: f64,
     /// Error of the effective BRDF over the hemisphere, relative to the truth, in the root mean square.
@@ -141,8 +145,9 @@ impl TexelReport {
             return;
         }
         self.fit_key = Some(key);
-        let mixture = folded_mixture(session.lobes(), session.fitting().fold(), data.texel);
-        self.fit = mixture.map(|mixture| TexelFit {
+        let (lobes, fold) = (session.lobes(), session.fitting().fold());
+        self.fit = folded_mixture(lobes, fold, data.texel).map(|mixture| TexelFit {
+            colors: folded_colors(lobes, fold, data.texel, &mixture),
             mean_log_likelihood: mean_log_likelihood(session.map(), &data, &mixture),
             brdf_error: brdf_error(&data.picture, &mixture, material.shininess, material.convolution),
             mixture,
@@ -157,7 +162,7 @@ fn gather(map: &NormalMap, texel: Texel) -> TexelData {
 
 /// The lobes of a texel as they are shown: merged as the preview merges them.
 pub fn folded_mixture(lobes: &LobePyramid, fold: Fold, texel: Texel) -> Option<Mixture> {
-    let mut folded = [[0.0; 4]; crate::sphere::mixture::MAX_LOBES];
+    let mut folded = [[0.0; 4]; MAX_LOBES];
     let mut add = |slot: usize, stored: StoredLobe| {
         let target = &mut folded[usize::from(fold.0[slot])];
         *target = std::array::from_fn(|i| target[i] + stored[i]);
@@ -170,6 +175,23 @@ pub fn folded_mixture(lobes: &LobePyramid, fold: Fold, texel: Texel) -> Option<M
         level.texel(texel.x, texel.y).iter().enumerate().for_each(|(slot, &stored)| add(slot, stored));
     }
     Some(Mixture::from_stored(&folded))
+}
+
+/// The colours of that mixture's lobes: of slots that are merged, the mean by weight.
+fn folded_colors(lobes: &LobePyramid, fold: Fold, texel: Texel, mixture: &Mixture) -> Option<Vec<Vec3>> {
+    let slots: Vec<(usize, f32)> = if texel.level == 0 {
+        vec![(lobes.base_slot(texel.y * lobes.map.width + texel.x), 1.0)]
+    } else {
+        let stored = lobes.level(texel.level)?.texel(texel.x, texel.y);
+        stored.iter().map(|stored| stored[0]).enumerate().filter(|&(_, weight)| weight > EMPTY_WEIGHT).collect()
+    };
+    let mut sums = [(0.0, Vec3::ZERO); MAX_LOBES];
+    for (slot, weight) in slots {
+        let (total, sum) = &mut sums[usize::from(fold.0[slot])];
+        *total += weight;
+        *sum += weight * lobes.lobe_color(texel, slot)?;
+    }
+    Some(mixture.lobes.iter().map(|&(slot, _)| sums[slot].1 / sums[slot].0).collect())
 }
 
 /// Over every normal of a small footprint; over the picture's points, which stand for them, of a large one.
@@ -191,4 +213,34 @@ fn brdf_error(picture: &NdfPicture, mixture: &Mixture, shininess: f32, rule: Con
         squared_truth += truth * truth;
     }
     (squared_error / squared_truth).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::vmf::{ColorLevel, MixtureLevel};
+    use crate::normal_map::albedo::Albedo;
+    use crate::normal_map::{MapOptions, MapSource};
+
+    #[test]
+    fn merged_slots_take_the_mean_colour_by_weight() {
+        let normals = [vec![0.0; 4], vec![0.0; 4], vec![1.0; 4]];
+        let source = MapSource::Bundled("test");
+        let mut map = NormalMap::from_unit_normals((2, 2), normals, source, MapOptions::default());
+        map.albedo = Some(Arc::new(Albedo { rgb: vec![[0.5, 0.25, 1.0]; 4] }));
+        let mut lobes = LobePyramid::unfitted(Arc::new(map));
+        let stored = vec![[0.25, 0.0, 0.0, 0.2], [0.0; 4], [0.75, 0.0, 0.0, 0.7]];
+        lobes.coarse[0] = Some(Arc::new(MixtureLevel { width: 1, height: 1, lobes: 3, stored }));
+        let top = Texel { level: 1, x: 0, y: 0 };
+        let colors = |lobes: &LobePyramid, fold, texel| {
+            folded_colors(lobes, fold, texel, &folded_mixture(lobes, fold, texel).expect("fitted"))
+        };
+        assert_eq!(colors(&lobes, Fold::default(), top), None, "not fitted yet");
+        let red_and_blue = vec![[0.25, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 0.75]];
+        lobes.colors[0] = Some(Arc::new(ColorLevel { stored: red_and_blue }));
+        assert_eq!(colors(&lobes, Fold::default(), top), Some(vec![Vec3::X, Vec3::Z]));
+        assert_eq!(colors(&lobes, Fold([0; 16]), top), Some(vec![Vec3::new(0.25, 0.0, 0.75)]));
+        let base = Texel { level: 0, x: 1, y: 1 };
+        assert_eq!(colors(&lobes, Fold::default(), base), Some(vec![Vec3::new(0.5, 0.25, 1.0)]));
+    }
 }

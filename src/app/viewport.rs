@@ -30,8 +30,22 @@ pub struct SurfaceReport {
     pub wants_more: bool,
     /// Finest levels left out because the adapter cannot hold them.
     pub left_out: usize,
+    /// Finest levels whose lobes are left out.
+    pub lobes_left_out: usize,
     /// Finest and coarsest level of lobes in use.
     pub lobe_levels: Option<[f32; 2]>,
+}
+
+impl SurfaceReport {
+    /// What is left out, in words.
+    pub fn left_out_sentence(&self) -> Option<String> {
+        match (self.left_out, self.lobes_left_out) {
+            (0, 0) => None,
+            (0, count) => Some(format!("lobes of the finest {count} levels exceed the memory set aside")),
+            (1, _) => Some("the finest level exceeds the adapter and is left out".to_owned()),
+            (count, _) => Some(format!("the finest {count} levels exceed the adapter and are left out")),
+        }
+    }
 }
 
 /// A report that the frame writes and the window reads.
@@ -148,6 +162,7 @@ impl CallbackTrait for SurfacePaint {
             truth_samples: frame.truth_samples(),
             wants_more: frame.wants_more(),
             left_out: frame.left_out(),
+            lobes_left_out: frame.lobes_left_out(),
             lobe_levels: frame.lod_range(Method::Vmf),
         };
         if self.status.set(report) || report.wants_more {

@@ -51,6 +51,17 @@ pub enum DiffuseRule {
 }
 
 impl DiffuseRule {
+    /// Every rule, in the order they are offered.
+    pub const ALL: [Self; 2] = [Self::Cosine, Self::Exact];
+
+    /// The name to show.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Cosine => "cosine (Algorithm 2)",
+            Self::Exact => "exact",
+        }
+    }
+
     /// The lobe's `max(n . w, 0)`, for the cosine between its mean direction and the light.
     pub fn cosine(self, kappa: f64, cosine: f64) -> f64 {
         match self {
@@ -61,21 +72,29 @@ impl DiffuseRule {
 }
 
 /// `f` of exponent `shininess` convolved with a lobe of concentration `kappa`, at the cosine `u` to its mean direction.
-/// A lobe sharper than [`KAPPA_MAX`] counts as a delta.
 fn convolved(kappa: f64, shininess: f64, u: f64) -> f64 {
+    match series(kappa, shininess) {
+        Some(coefficients) => zonal_series(coefficients.into_iter(), u).max(0.0),
+        None => ConvolutionRule::ShiftedExponent.convolved(kappa, shininess, u),
+    }
+}
+
+/// The coefficients of the exact convolution, `rho_l A_l(kappa)`; `None` for a lobe sharper than [`KAPPA_MAX`], which
+/// takes too many, and for which the rule of s + 1 is as good.
+pub(super) fn series(kappa: f64, shininess: f64) -> Option<Vec<f64>> {
     if kappa > KAPPA_MAX {
-        return BlinnPhong { shininess }.zonal(u);
+        return None;
     }
     // The terms follow exp(-l^2/2 (1/kappa + 1/(s+1))); below s = 8 those of f fall off too slowly to count on.
     let width = if shininess < 8.0 { kappa } else { kappa * (shininess + 1.0) / (kappa + shininess + 1.0) };
     let bands = 10 + (7.0 * width.sqrt()) as usize;
     let terms = cosine_power_zonal(shininess, bands).into_iter().zip(vmf_zonal(kappa, bands));
-    zonal_series(terms.map(|(rho, a)| rho * a), u).max(0.0)
+    Some(terms.map(|(rho, a)| rho * a).collect())
 }
 
 impl ConvolutionRule {
-    /// Every rule of closed form, in the order they are offered: those that shaders know.
-    pub const CLOSED: [Self; 3] = [Self::ShiftedExponent, Self::Moment, Self::Paper];
+    /// Every rule, in the order they are offered.
+    pub const ALL: [Self; 4] = [Self::ShiftedExponent, Self::Moment, Self::Paper, Self::Exact];
 
     /// The name to show.
     pub fn label(self) -> &'static str {
@@ -132,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_delta_leaves_the_exponent_alone_under_every_rule() {
-        for rule in ConvolutionRule::CLOSED {
+        for rule in ConvolutionRule::ALL {
             let blurred = rule.blurred_exponent(1e12, 64.0);
             assert!((blurred - 64.0).abs() < 1e-3, "{rule:?}: {blurred}");
         }

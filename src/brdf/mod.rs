@@ -1,6 +1,7 @@
 //! Reflectance models and the material that the lit surface wears.
 
 pub mod blinn_phong;
+pub mod exact_table;
 
 use glam::Vec3;
 use std::str::FromStr;

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 
 use super::fit::check_texel;
 use super::options::{FitArguments, MapArguments, read_text, wait_for_fit, write_text};
-use crate::brdf::{Brdf, ConvolutionRule, DiffuseRule};
+use super::rules::{Convolution, Diffuse};
+use crate::brdf::Brdf;
 use crate::filter::rival::Source;
 use crate::filter::vmf::{Alignment, Cancelled, Fold, Monitor, Rules};
 use crate::filter::{Filter, Method, MethodChoice, Truth, UnalignedVmf, VmfFilter};
@@ -51,31 +52,6 @@ pub struct ProbeCommand {
     /// Write the result as JSON to FILE, - for standard output.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-}
-
-/// How a lobe and Blinn-Phong are convolved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Convolution {
-    /// Equation 20 of Han et al. 2007.
-    Paper,
-    /// The same with s + 1 in the place of s.
-    #[default]
-    #[value(name = "s+1")]
-    ShiftedExponent,
-    /// Exact in the first moment.
-    Moment,
-    /// The convolution itself, a Legendre series.
-    Exact,
-}
-
-/// How a lobe reflects diffusely.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Diffuse {
-    /// The clamped cosine of its mean direction, Algorithm 2 of Han et al. 2007.
-    Cosine,
-    /// The clamped cosine convolved with the lobe.
-    #[default]
-    Exact,
 }
 
 /// The result, schema 1; others script against it.
@@ -136,18 +112,7 @@ impl ProbeCommand {
     }
 
     fn rules(&self) -> Rules {
-        Rules {
-            convolution: match self.convolution {
-                Convolution::Paper => ConvolutionRule::Paper,
-                Convolution::ShiftedExponent => ConvolutionRule::ShiftedExponent,
-                Convolution::Moment => ConvolutionRule::Moment,
-                Convolution::Exact => ConvolutionRule::Exact,
-            },
-            diffuse: match self.diffuse {
-                Diffuse::Cosine => DiffuseRule::Cosine,
-                Diffuse::Exact => DiffuseRule::Exact,
-            },
-        }
+        Rules { convolution: self.convolution.rule(), diffuse: self.diffuse.rule() }
     }
 
     fn directions(&self) -> anyhow::Result<Vec<Direction>> {

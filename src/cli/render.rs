@@ -7,6 +7,7 @@ use std::sync::Arc;
 use clap::{Args, ValueEnum};
 
 use super::options::{FitArguments, MapArguments, wait_for_fit};
+use super::rules::{Convolution, Diffuse};
 use crate::brdf::Brdf;
 use crate::filter::{MethodChoice, Rival};
 use crate::gpu::context::Gpu;
@@ -62,6 +63,12 @@ pub struct SceneArguments {
     /// The material's BRDF: lambert or blinn-phong:S.
     #[arg(long, value_name = "BRDF")]
     pub brdf: Option<Brdf>,
+    /// How a lobe and the material are convolved.
+    #[arg(long, value_enum)]
+    pub convolution: Option<Convolution>,
+    /// How a lobe reflects diffusely.
+    #[arg(long, value_enum)]
+    pub diffuse: Option<Diffuse>,
     /// The surface.
     #[arg(long, value_enum)]
     pub shape: Option<ShapeArgument>,
@@ -158,6 +165,9 @@ impl SceneArguments {
         if self.brdf == Some(Brdf::Lambert) {
             surface.material.specular = 0.0;
         }
+        let material = &mut surface.material;
+        material.convolution = self.convolution.map_or(material.convolution, Convolution::rule);
+        material.diffuse_rule = self.diffuse.map_or(material.diffuse_rule, Diffuse::rule);
         surface.shape.kind = self.shape.map_or(surface.shape.kind, ShapeArgument::kind);
         surface.shape.tiling = self.tiling.map_or(surface.shape.tiling, |tiling| [tiling; 2]);
         let distance = self.distance.unwrap_or(surface.camera.distance);

@@ -11,7 +11,7 @@ use super::passes::surface::{FrameData, Reads, SurfacePass, Target};
 use super::readback::{self, ReadbackError};
 use super::rival_textures::RivalTextures;
 use super::textures::MapTextures;
-use crate::brdf::ConvolutionRule;
+use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::channels::ChannelPyramid;
 use crate::filter::vmf::{Fold, LobePyramid};
 use crate::filter::{Method, PlainMip, Rival};
@@ -173,7 +173,7 @@ impl SurfaceFrame {
         let due: Vec<Method> = both.into_iter().filter(|&method| self.is_due(method, input, &targets)).collect();
         if !due.is_empty() {
             let data = self.frame_data(input, size);
-            self.surface.prepare(device, queue, input.surface.shape.kind, &data);
+            self.surface.prepare(device, queue, input.surface, &data);
         }
         for method in due {
             self.draw_method(encoder, queue, method, input, &mut targets);
@@ -231,6 +231,15 @@ impl SurfaceFrame {
         self.textures.left_out
     }
 
+    /// Finest levels whose lobes are not shown because the adapter, or the memory set aside, cannot hold them.
+    pub fn lobes_left_out(&self) -> usize {
+        // A texture that begins with level 1 leaves nothing out: the base level is no texture of lobes.
+        match self.textures.lobe_level() {
+            1 => 0,
+            level => level,
+        }
+    }
+
     /// Finest and coarsest level that `method` reads at present; `None` while it has nothing to read.
     pub fn lod_range(&self, method: Method) -> Option<[f32; 2]> {
         match method {
@@ -261,6 +270,7 @@ impl SurfaceFrame {
         let mut fold = input.fold;
         if !method.shows_lobes() {
             fold = Fold::default();
+            surface.material.diffuse_rule = DiffuseRule::default();
         }
         if method == Method::Truth {
             surface.material.convolution = ConvolutionRule::default();

@@ -8,6 +8,8 @@ pub const SRGB: &str = include_str!("../../shaders/shared/srgb.wgsl");
 pub const VMF: &str = include_str!("../../shaders/shared/vmf.wgsl");
 /// Blinn-Phong, the twin of `brdf/blinn_phong.rs`.
 pub const BLINN_PHONG: &str = include_str!("../../shaders/shared/blinn_phong.wgsl");
+/// The exact convolution from a table, the twin of `brdf/exact_table.rs`.
+pub const EXACT_TABLE: &str = include_str!("../../shaders/shared/exact_table.wgsl");
 /// Material, lookup and reflection, the twin of `filter/mod.rs`.
 pub const FILTER: &str = include_str!("../../shaders/shared/filter.wgsl");
 /// Interpolation by hand, the twin of `filter/sampling.rs`.

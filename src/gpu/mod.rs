@@ -3,6 +3,7 @@
 //! Nothing in here knows the window: the window's viewport and the command line record the same frame.
 
 pub mod context;
+pub mod exact_tables;
 pub mod frame;
 pub mod layout;
 pub mod map_group;

@@ -25,17 +25,8 @@ impl SurfaceFrame {
     }
 
     /// The final picture as last prepared, sRGB, four bytes a pixel. The frame must be for [`PICTURE_FORMAT`].
-    pub fn picture(&self, gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Vec<u8>, ReadbackError> {
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("picture"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: PICTURE_FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+    pub fn picture(&self, gpu: &Gpu, size: [u32; 2]) -> Result<Vec<u8>, ReadbackError> {
+        let texture = readback::target(&gpu.device, "picture", size, PICTURE_FORMAT);
         let named = wgpu::TextureViewDescriptor { label: Some("picture"), ..Default::default() };
         let view = texture.create_view(&named);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });

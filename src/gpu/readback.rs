@@ -17,6 +17,25 @@ impl ReadbackError {
     }
 }
 
+/// A texture of one level to draw into and to read back.
+pub fn target(
+    device: &wgpu::Device,
+    label: &str,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
 /// The bytes of the first level and layer of `texture`, row by row without padding. Needs `COPY_SRC`; waits.
 pub fn read_bytes(
     device: &wgpu::Device,

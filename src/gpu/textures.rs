@@ -137,6 +137,9 @@ impl MapTextures {
         let format = float_format(&self.device);
         self.mip = Some(mip.clone());
         self.left_out = first_that_fits(&self.device, &sizes, 0, 1, MEANS_BYTES, format);
+        if self.left_out > 0 {
+            log::warn!("the graphics adapter cannot hold the map's finest {} levels: left out", self.left_out);
+        }
         let (w, h) = sizes[self.left_out];
         let levels = sizes.len() - self.left_out;
         self.group.means = create(&self.device, "mean normals", (w, h, 1), levels, format);

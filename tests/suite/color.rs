@@ -13,11 +13,11 @@ use ndf_inspector::normal_map::{Addressing, MapOptions, MapSource, NormalMap};
 use crate::fit::fitted;
 use crate::gpu::maps::{map, noise, rough, with_color};
 
-const RED: Vec3 = Vec3::new(0.8, 0.1, 0.05);
-const BLUE: Vec3 = Vec3::new(0.05, 0.2, 0.9);
+pub const RED: Vec3 = Vec3::new(0.8, 0.1, 0.05);
+pub const BLUE: Vec3 = Vec3::new(0.05, 0.2, 0.9);
 
 /// Grooves whose sides face right, in red, and left, in blue; noise on the normals keeps the sides lobes with a width.
-fn groove() -> Arc<NormalMap> {
+pub fn groove() -> Arc<NormalMap> {
     let rising = |x: usize| x % 8 < 4;
     let normals = map(32, 32, Addressing::Wrap, |x, y| {
         let wobble = |seed: usize| 0.1 * (noise(seed + 2 * (y * 32 + x)) - 0.5);
@@ -26,7 +26,7 @@ fn groove() -> Arc<NormalMap> {
     with_color(normals, |index| if rising(index % 32) { RED } else { BLUE })
 }
 
-fn settings(lobes: usize, align: Alignment) -> FitSettings {
+pub fn settings(lobes: usize, align: Alignment) -> FitSettings {
     FitSettings { lobes, align, ..FitSettings::default() }
 }
 

@@ -6,9 +6,9 @@ use egui::{ProgressBar, RichText, ScrollArea, TextEdit, Ui};
 use glam::Vec3;
 
 use super::{PanelContext, heading, rule};
-use crate::app::parameter::{Parameter, choice, label};
+use crate::app::parameter::{Parameter, choice, explained_choice, label};
 use crate::app::{Command, theme};
-use crate::brdf::ConvolutionRule;
+use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::vmf::{Alignment, FitSettings};
 use crate::lit_surface::{LevelChoice, LitSurface};
 use crate::normal_map::{Addressing, GreenChannel, MapSource};
@@ -181,9 +181,13 @@ fn material(ui: &mut Ui, surface: &mut LitSurface) {
         color(ui, "Diffuse colour", &mut material.diffuse_color);
         ui.label(RichText::new("diffuse").small().color(theme::WEAK));
     });
-    let rules = ConvolutionRule::CLOSED.map(|rule| (rule, rule.label()));
-    if let Some(rule) = choice(ui, "Convolution", p::CONVOLUTION, material.convolution, &rules) {
+    let rules = ConvolutionRule::ALL.map(|rule| (rule, rule.label(), p::convolution(rule)));
+    if let Some(rule) = explained_choice(ui, "Convolution", p::CONVOLUTION, material.convolution, &rules) {
         material.convolution = rule;
+    }
+    let rules = DiffuseRule::ALL.map(|rule| (rule, rule.label(), p::diffuse(rule)));
+    if let Some(rule) = explained_choice(ui, "Diffuse rule", p::DIFFUSE_RULE, material.diffuse_rule, &rules) {
+        material.diffuse_rule = rule;
     }
 }
 

@@ -1,15 +1,22 @@
 //! The lobes of the selected texel in numbers, as Mikkelsen's tables have them.
 
-use egui::{Align2, Color32, FontId, Rect, Sense, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2};
+use glam::Vec3;
 
 use crate::app::texel_report::TexelFit;
 use crate::app::theme;
-use crate::color::LOBE_COLORS;
+use crate::color::{LOBE_COLORS, srgb8_from_linear};
 use crate::sphere::Lobe;
 use crate::sphere::direction::polar_deg;
 
 /// Height of a row.
 const ROW: f32 = 18.0;
+
+/// Side of a swatch and of the space around it.
+const SWATCH: f32 = 13.0;
+
+/// What a swatch means.
+const COLOR: &str = "Colour of the normals that the lobe stands for (Han et al. 2007, eq. 22)";
 
 /// Heading and meaning of the columns behind the lobe's number.
 const COLUMNS: [(&str, &str); 5] = [
@@ -26,24 +33,27 @@ pub fn slot_color(slot: usize) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// Shows the table.
+/// Shows the table; with a swatch of each lobe's colour y where there are colours.
 pub fn show(ui: &mut Ui, fit: &TexelFit) {
     row(ui, |ui, rect| {
-        for (index, (heading, meaning)) in COLUMNS.iter().enumerate() {
-            let cell = cell(rect, index);
-            ui.painter().text(
-                cell.right_center(),
-                Align2::RIGHT_CENTER,
-                heading,
-                FontId::proportional(11.0),
-                theme::WEAK,
-            );
-            ui.interact(cell, ui.scope_id().with(*heading), Sense::hover()).on_hover_text(*meaning);
+        let (swatch, numbers) = split(rect, fit.colors.is_some());
+        if fit.colors.is_some() {
+            heading(ui, swatch, swatch.center(), Align2::CENTER_CENTER, ("y", COLOR));
+        }
+        for (index, column) in COLUMNS.into_iter().enumerate() {
+            let cell = cell(numbers, index);
+            heading(ui, cell, cell.right_center(), Align2::RIGHT_CENTER, column);
         }
     });
-    for (slot, lobe) in &fit.mixture.lobes {
-        row(ui, |ui, rect| lobe_row(ui, rect, *slot, lobe));
+    for (index, (slot, lobe)) in fit.mixture.lobes.iter().enumerate() {
+        let color = fit.colors.as_ref().and_then(|colors| colors.get(index));
+        row(ui, |ui, rect| lobe_row(ui, rect, *slot, lobe, color));
     }
+}
+
+fn heading(ui: &Ui, cell: Rect, at: Pos2, align: Align2, (text, meaning): (&str, &str)) {
+    ui.painter().text(at, align, text, FontId::proportional(11.0), theme::WEAK);
+    ui.interact(cell, ui.scope_id().with(text), Sense::hover()).on_hover_text(meaning);
 }
 
 fn row(ui: &mut Ui, contents: impl FnOnce(&mut Ui, Rect)) {
@@ -53,15 +63,37 @@ fn row(ui: &mut Ui, contents: impl FnOnce(&mut Ui, Rect)) {
     ui.spacing_mut().item_spacing.y = theme::GRID;
 }
 
-/// The place of a column: what is left of the row behind the number, in equal parts.
-fn cell(row: Rect, index: usize) -> Rect {
-    let first = row.left() + 26.0;
-    let width = (row.right() - first) / COLUMNS.len() as f32;
-    let left = first + index as f32 * width;
-    Rect::from_min_max(pos2(left, row.top()), pos2(left + width, row.bottom()))
+/// The places of the swatch, empty without colours, and of the numbers: what is left of the row behind the lobe's
+/// number.
+fn split(row: Rect, colored: bool) -> (Rect, Rect) {
+    let rest = row.with_min_x(row.left() + 26.0);
+    rest.split_left_right_at_x(rest.left() + if colored { SWATCH + 2.0 } else { 0.0 })
 }
 
-fn lobe_row(ui: &Ui, rect: Rect, slot: usize, lobe: &Lobe) {
+/// The place of a column: equal parts.
+fn cell(numbers: Rect, index: usize) -> Rect {
+    let width = numbers.width() / COLUMNS.len() as f32;
+    let left = numbers.left() + index as f32 * width;
+    Rect::from_min_max(pos2(left, numbers.top()), pos2(left + width, numbers.bottom()))
+}
+
+/// A lobe's colour y, linear RGB; what lies beyond white is shown as white.
+fn swatch(ui: &Ui, cell: Rect, slot: usize, color: Vec3) {
+    let [r, g, b] = srgb8_from_linear(color);
+    let square = Rect::from_center_size(cell.center(), Vec2::splat(SWATCH - 2.0));
+    ui.painter().rect(square, 2.0, Color32::from_rgb(r, g, b), Stroke::new(1.0, theme::LINE), StrokeKind::Outside);
+    let text = format!("y = {:.3}, {:.3}, {:.3} (linear RGB)", color.x, color.y, color.z);
+    let response = ui.interact(cell, ui.scope_id().with(("colour", slot)), Sense::hover());
+    let name = format!("Colour of lobe {}", slot + 1);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    response.on_hover_text(text);
+}
+
+fn lobe_row(ui: &Ui, rect: Rect, slot: usize, lobe: &Lobe, color: Option<&Vec3>) {
+    let (swatch_cell, numbers) = split(rect, color.is_some());
+    if let Some(&color) = color {
+        swatch(ui, swatch_cell, slot, color);
+    }
     let painter = ui.painter();
     painter.circle_filled(rect.left_center() + vec2(6.0, 0.0), 5.0, slot_color(slot));
     let number = rect.left_center() + vec2(17.0, 0.0);
@@ -76,7 +108,7 @@ fn lobe_row(ui: &Ui, rect: Rect, slot: usize, lobe: &Lobe) {
         format!("{width:.1}°"),
     ];
     for (index, text) in texts.into_iter().enumerate() {
-        let at = cell(rect, index).right_center();
+        let at = cell(numbers, index).right_center();
         painter.text(at, Align2::RIGHT_CENTER, text, FontId::monospace(11.5), theme::TEXT);
     }
 }

@@ -16,9 +16,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, hover: Option<&str>) {
             "A GPU is used if there is one, else software Vulkan, else GL. WGPU_ADAPTER_NAME picks another.",
         );
         ui.label(RichText::new(fit_sentence(context)).small().color(theme::WEAK));
-        if context.surroundings.target.status.get().left_out > 0 {
-            let text =
-                format!("the finest {} levels exceed the adapter", context.surroundings.target.status.get().left_out);
+        if let Some(text) = context.surroundings.target.status.get().left_out_sentence() {
             ui.label(RichText::new(text).small().color(theme::WARNING));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

@@ -32,8 +32,11 @@ pub fn badges(painter: &Painter, context: &PanelContext<'_>, picture: Rect) {
 fn method_badges(painter: &Painter, context: &PanelContext<'_>, method: Method, at: Pos2, align: Align2) {
     let text = match method {
         Method::Truth => {
-            let samples = context.surroundings.target.status.get().truth_samples;
-            format!("{} · {samples} of {} samples per pixel", method.label(), context.session.truth_samples)
+            let report = context.surroundings.target.status.get();
+            let (label, samples) = (method.label(), report.truth_samples);
+            // Without the finest levels it is the truth of a smoother map.
+            let level = if report.left_out > 0 { format!(" of level {}", report.left_out) } else { String::new() };
+            format!("{label}{level} · {samples} of {} samples per pixel", context.session.truth_samples)
         }
         Method::Rival(_) => method.label(),
         Method::Vmf | Method::VmfUnaligned => {

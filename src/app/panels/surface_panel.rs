@@ -78,6 +78,7 @@ fn combo(ui: &mut Ui, name: &str, method: &mut Method) {
         // A session file may name a parameter that is not offered.
         methods.push((*method, method.label()));
     }
+    let methods: Vec<(Method, &str)> = methods.iter().map(|(method, label)| (*method, label.as_str())).collect();
     ui.scope(|ui| {
         ui.set_width(104.0);
         crate::app::parameter::combo(ui, name, method, &methods);

@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
-use crate::brdf::ConvolutionRule;
+use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::Method;
 use crate::filter::rival::{Rival, RivalKind};
 use crate::filter::vmf::Fold;
+use crate::gpu::exact_tables::ExactTables;
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer};
 use crate::gpu::rival_textures::RivalTextures;
 use crate::gpu::textures::MapTextures;
@@ -18,9 +19,10 @@ pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shader's parts, in order.
-pub const SHADER: [&str; 6] = [
+pub const SHADER: [&str; 7] = [
     layout::VMF,
     layout::BLINN_PHONG,
+    layout::EXACT_TABLE,
     layout::FILTER,
     layout::SAMPLING,
     layout::TRUTH,
@@ -78,10 +80,10 @@ pub struct FrameData {
     pub sample_count: u32,
     /// 1 where the map has colour.
     pub colored: u32,
+    /// The rule for the diffuse part, by the shader's number.
+    pub diffuse_rule: u32,
     /// Nothing.
-    pub padding: u32,
-    /// Nothing.
-    pub more_padding: [u32; 2],
+    pub padding: [u32; 2],
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
 }
@@ -102,9 +104,13 @@ impl FrameData {
             radiance: surface.light.radiance().to_array(),
             convolution: match material.convolution {
                 ConvolutionRule::Paper => 0,
-                // The exact convolution is the processor's alone; this rule is the nearest to it.
-                ConvolutionRule::ShiftedExponent | ConvolutionRule::Exact => 1,
+                ConvolutionRule::ShiftedExponent => 1,
                 ConvolutionRule::Moment => 2,
+                ConvolutionRule::Exact => 3,
+            },
+            diffuse_rule: match material.diffuse_rule {
+                DiffuseRule::Cosine => 0,
+                DiffuseRule::Exact => 1,
             },
             specular_color: material.specular_color.to_array(),
             specular: material.specular,
@@ -132,6 +138,7 @@ pub struct SurfacePass {
     /// By name, each compiled when it is first shown.
     rivals: HashMap<&'static str, wgpu::RenderPipeline>,
     constants: wgpu::Buffer,
+    exact_tables: ExactTables,
     frame_group: wgpu::BindGroup,
     layouts: Layouts,
     meshes: HashMap<ShapeKind, MeshBuffers>,
@@ -186,7 +193,7 @@ impl SurfacePass {
     /// Compiles the pipelines of every method; `map` is the layout of group 1.
     pub fn new(device: &wgpu::Device, map: &wgpu::BindGroupLayout) -> Self {
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM]);
+        let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM, ExactTables::BINDING]);
         let sum_type = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
         let sum = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[sum_type]);
         let layouts = Layouts { frame, map: map.clone(), sum, rival: RivalTextures::layout(device) };
@@ -194,13 +201,17 @@ impl SurfacePass {
         let shared = [Some(&layouts.frame), Some(&layouts.map)];
         let with_sum = [Some(&layouts.frame), Some(&layouts.map), Some(&layouts.sum)];
         let constants = uniform_buffer::<FrameData>(device, "surface frame");
-        let frame_group = bind_group(device, "surface frame", &layouts.frame, &[constants.as_entire_binding()]);
+        let exact_tables = ExactTables::new(device);
+        let tables = exact_tables.view();
+        let resources = [constants.as_entire_binding(), wgpu::BindingResource::TextureView(&tables)];
+        let frame_group = bind_group(device, "surface frame", &layouts.frame, &resources);
         Self {
             truth: pipeline(device, &shader, "truth", &with_sum),
             vmf: pipeline(device, &shader, "vmf", &shared),
             vmf_unaligned: pipeline(device, &shader, "vmf_unaligned", &shared),
             rivals: HashMap::new(),
             constants,
+            exact_tables,
             frame_group,
             layouts,
             meshes: HashMap::new(),
@@ -240,9 +251,11 @@ impl SurfacePass {
         Target { depth: depth.create_view(&depth_label), as_sum, color, view }
     }
 
-    /// Writes the frame's constants and makes sure of the mesh.
-    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, kind: ShapeKind, data: &FrameData) {
+    /// Writes the frame's constants and makes sure of the mesh and of the tables that the material needs.
+    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, surface: &LitSurface, data: &FrameData) {
         queue.write_buffer(&self.constants, 0, bytemuck::bytes_of(data));
+        self.exact_tables.prepare(queue, &surface.material);
+        let kind = surface.shape.kind;
         self.meshes.entry(kind).or_insert_with(|| MeshBuffers::new(device, queue, kind));
     }
 

@@ -2,11 +2,12 @@
 
 mod context;
 mod frames;
+mod groove;
 mod layouts;
+mod limits;
 pub mod maps;
 mod twins;
 
-use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use ndf_inspector::filter::channels::ChannelPyramid;
@@ -30,32 +31,26 @@ struct Scene {
     fold: Fold,
     surface: LitSurface,
     size: [u32; 2],
-    channels: HashMap<Method, Arc<ChannelPyramid>>,
 }
 
 impl Scene {
     fn new(map: Arc<NormalMap>, lobes: usize) -> Self {
         let lobes = maps::mixtures(&map, lobes);
         let mip = Arc::new(PlainMip::new(map));
-        Self {
-            mip,
-            lobes,
-            fold: Fold::default(),
-            surface: LitSurface::default(),
-            size: [192, 144],
-            channels: HashMap::new(),
-        }
+        Self { mip, lobes, fold: Fold::default(), surface: LitSurface::default(), size: [192, 144] }
     }
 
-    /// Builds a rival, which the adapter then finds the channels of.
-    fn build(&mut self, rival: Rival) -> Arc<dyn RivalFilter> {
+    /// Builds a rival.
+    fn rival(&self, rival: Rival) -> Arc<dyn RivalFilter> {
         let monitor = Monitor::new(Vec::new());
         let source = Source { mip: &self.mip, rules: Rules::default(), monitor: &monitor };
-        let filter = rival.build(&source).expect("nobody cancels");
-        if let Some(channels) = filter.channels(&monitor).expect("nobody cancels") {
-            self.channels.insert(Method::Rival(rival), Arc::clone(channels));
-        }
-        filter
+        rival.build(&source).expect("nobody cancels")
+    }
+
+    /// What the adapter samples of a method, where it is a rival that has channels.
+    fn channels(&self, method: Method) -> Option<Arc<ChannelPyramid>> {
+        let rival = self.rival(method.rival()?);
+        rival.channels(&Monitor::new(Vec::new())).expect("nobody cancels").cloned()
     }
 
     fn map(&self) -> &Arc<NormalMap> {
@@ -66,7 +61,7 @@ impl Scene {
         [0.0, (self.map().level_sizes().len() - 1) as f32]
     }
 
-    /// `method` alone, over the whole picture.
+    /// `method` alone, over the whole picture, without channels.
     fn input(&self, method: Method) -> FrameInput<'_> {
         FrameInput {
             surface: &self.surface,
@@ -75,7 +70,7 @@ impl Scene {
             fold: self.fold,
             left: method,
             right: method,
-            channels: [self.channels.get(&method); 2],
+            channels: [None; 2],
             wipe: 1.0,
             size: self.size,
         }

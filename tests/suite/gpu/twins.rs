@@ -1,11 +1,11 @@
 //! The adapter's pictures equal the processor's.
 
 use glam::{Vec2, Vec3};
-use ndf_inspector::brdf::ConvolutionRule;
+use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::color::srgb8_from_linear;
 use ndf_inspector::filter::vmf::{Fold, Rules};
 use ndf_inspector::filter::{Filter, LocalLight, Lookup, Method, Rival, Truth, UnalignedVmf, VmfFilter};
-use ndf_inspector::gpu::{FrameBudget, PICTURE_FORMAT, SurfaceFrame};
+use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame};
 use ndf_inspector::lit_surface::LevelChoice;
 use ndf_inspector::normal_map::Addressing;
 use ndf_inspector::reference::{self, Picture};
@@ -15,9 +15,9 @@ use std::sync::Arc;
 use super::{Scene, gpu, maps};
 
 /// Enough that one sample which falls on the other side of a texel's edge by a rounding changes less than 1/255.
-const SAMPLES: u32 = 256;
+pub(super) const SAMPLES: u32 = 256;
 
-fn on_processor(scene: &mut Scene, method: Method) -> Picture {
+pub(super) fn on_processor(scene: &Scene, method: Method) -> Picture {
     let map = scene.map().clone();
     let base = (map.width, map.height);
     let vmf = || VmfFilter { lobes: Arc::new(scene.lobes.clone()), fold: scene.fold, rules: Rules::default() };
@@ -25,16 +25,18 @@ fn on_processor(scene: &mut Scene, method: Method) -> Picture {
         Method::Truth => Arc::new(Truth { map, samples: SAMPLES }),
         Method::Vmf => Arc::new(vmf()),
         Method::VmfUnaligned => Arc::new(UnalignedVmf(vmf())),
-        Method::Rival(rival) => scene.build(rival),
+        Method::Rival(rival) => scene.rival(rival),
     };
     reference::render(&scene.surface, &*filter, scene.size, scene.full_lod_range(), base)
 }
 
 /// The adapter's picture of one method, exposed, in linear light.
-fn on_adapter(scene: &Scene, method: Method) -> Picture {
+pub(super) fn on_adapter(scene: &Scene, method: Method) -> Picture {
     let mut frame = SurfaceFrame::new(&gpu().device, PICTURE_FORMAT);
     frame.budget = FrameBudget { truth_limit: SAMPLES, truth_batch: 64, upload_bytes: 1 << 30 };
-    frame.complete(gpu(), &scene.input(method)).expect("the device works");
+    let channels = scene.channels(method);
+    let input = FrameInput { channels: [channels.as_ref(); 2], ..scene.input(method) };
+    frame.complete(gpu(), &input).expect("the device works");
     let texels = frame.linear(&gpu().device, &gpu().queue, method).expect("readable");
     Picture {
         size: scene.size,
@@ -55,22 +57,25 @@ fn differences(a: &Picture, b: &Picture) -> Vec<u8> {
 }
 
 /// Asserts that adapter and processor agree within 1/255 on 99.9 % of the pixels; prints the worst one.
-fn assert_twins(scene: &mut Scene, method: Method, what: &str) {
-    let processor = on_processor(scene, method);
-    let adapter = on_adapter(scene, method);
+pub(super) fn assert_twins(scene: &Scene, method: Method, what: &str) {
+    assert_alike(&on_adapter(scene, method), &on_processor(scene, method), what);
+}
+
+/// The same for two pictures.
+pub(super) fn assert_alike(adapter: &Picture, processor: &Picture, what: &str) {
     let seen: Vec<Vec3> = (0..adapter.rgb.len()).filter(|&i| adapter.covered[i]).map(|i| adapter.rgb[i]).collect();
     let brightest = seen.iter().map(|c| c.max_element()).fold(0.0, f32::max);
     let darkest = seen.iter().map(|c| c.max_element()).fold(f32::MAX, f32::min);
     assert!(seen.len() > 200 && brightest > darkest + 0.02, "{what}: {} pixels, flat or black", seen.len());
-    let differences = differences(&adapter, &processor);
+    let differences = differences(adapter, processor);
     let worst = (0..differences.len()).max_by_key(|&i| differences[i]).unwrap_or(0);
     let wrong = differences.iter().filter(|&&d| d > 1).count();
     println!(
         "{what}: {wrong} of {} pixels off by more than 1/255; worst {}/255 at ({}, {}): {} against {}",
         differences.len(),
         differences[worst],
-        worst as u32 % scene.size[0],
-        worst as u32 / scene.size[0],
+        worst as u32 % adapter.size[0],
+        worst as u32 / adapter.size[0],
         adapter.rgb[worst],
         processor.rgb[worst],
     );
@@ -87,7 +92,7 @@ fn assert_twins_everywhere(method: Method) {
                 let mut scene = Scene::new(map.clone(), 6);
                 scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
                 scene.surface.camera.distance = distance;
-                assert_twins(&mut scene, method, &format!("{method}, {what} {kind:?} at {distance}"));
+                assert_twins(&scene, method, &format!("{method}, {what} {kind:?} at {distance}"));
             }
         }
     }
@@ -158,20 +163,20 @@ fn maps_of_any_size_and_either_addressing_have_twins() {
         for method in Method::offered() {
             let mut scene = Scene::new(maps::rough(width, height, addressing), 3);
             scene.surface.shape = Shape { kind: ShapeKind::Sphere, tiling: [3.0, 2.0] };
-            assert_twins(&mut scene, method, &format!("{method} of {width}x{height}, {addressing:?}"));
+            assert_twins(&scene, method, &format!("{method} of {width}x{height}, {addressing:?}"));
         }
     }
 }
 
 #[test]
 fn every_convolution_rule_has_a_twin() {
-    for rule in ConvolutionRule::CLOSED {
+    for rule in ConvolutionRule::ALL {
         for shininess in [1.0, 10.0, 400.0, 4000.0] {
             let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 8);
             scene.surface.material.convolution = rule;
             scene.surface.material.shininess = shininess;
             scene.surface.exposure_stops = -1.0;
-            assert_twins(&mut scene, Method::Vmf, &format!("{} at s {shininess}", rule.label()));
+            assert_twins(&scene, Method::Vmf, &format!("{} at s {shininess}", rule.label()));
         }
     }
 }
@@ -186,7 +191,23 @@ fn the_papers_multipliers_have_a_twin_and_so_have_soft_and_sharp_materials() {
             scene.surface.material.convolution = convolution;
             scene.surface.material.shininess = shininess;
             scene.surface.exposure_stops = -1.0;
-            assert_twins(&mut scene, Method::Rival(rival), &format!("{rival} at s {shininess}"));
+            assert_twins(&scene, Method::Rival(rival), &format!("{rival} at s {shininess}"));
+        }
+    }
+}
+
+#[test]
+fn the_exact_rules_have_twins_on_every_shape() {
+    for kind in ShapeKind::ALL {
+        for method in [Method::Vmf, Method::VmfUnaligned] {
+            let mut scene = Scene::new(maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color), 6);
+            scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
+            scene.surface.material.convolution = ConvolutionRule::Exact;
+            scene.surface.material.diffuse_rule = DiffuseRule::Exact;
+            // Low, so that the horizon is seen, where the two diffuse rules differ most.
+            scene.surface.light.elevation_deg = 15.0;
+            scene.surface.material.diffuse = 1.0;
+            assert_twins(&scene, method, &format!("{method} exactly on {kind:?}"));
         }
     }
 }
@@ -198,8 +219,8 @@ fn a_preview_with_fewer_lobes_has_a_twin() {
     scene.fold = Fold(std::array::from_fn(|slot| [0, 1, 1, 0, 4, 1][slot.min(5)]));
     for distance in [1.2, 12.0] {
         scene.surface.camera.distance = distance;
-        assert_twins(&mut scene, Method::Vmf, &format!("folded at {distance}"));
-        assert_twins(&mut scene, Method::VmfUnaligned, &format!("unaligned and folded at {distance}"));
+        assert_twins(&scene, Method::Vmf, &format!("folded at {distance}"));
+        assert_twins(&scene, Method::VmfUnaligned, &format!("unaligned and folded at {distance}"));
     }
 }
 
@@ -210,11 +231,10 @@ fn a_fixed_level_has_a_twin_whole_or_between_two() {
         scene.surface.level = LevelChoice::Fixed(level);
         for method in Method::offered().filter(|&method| method != Method::Truth) {
             if level < 6.0 {
-                assert_twins(&mut scene, method, &format!("{method} at level {level}"));
+                assert_twins(&scene, method, &format!("{method} at level {level}"));
             } else {
                 // One texel over the whole plane: not flat enough to fail, not rough enough to pass the check above.
-                let processor = on_processor(&mut scene, method);
-                let worst = differences(&on_adapter(&scene, method), &processor).into_iter().max();
+                let worst = differences(&on_adapter(&scene, method), &on_processor(&scene, method)).into_iter().max();
                 assert!(worst <= Some(1), "{method} at level {level}: {worst:?}");
             }
         }

@@ -1,16 +1,19 @@
 //! What the window does.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{PointerButton, ViewportId, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use ndf_inspector::app::view_state::Layout;
-use ndf_inspector::filter::vmf::Fold;
+use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
+use ndf_inspector::filter::vmf::{FitSettings, Fold};
+use ndf_inspector::normal_map::albedo::Albedo;
 use ndf_inspector::normal_map::pyramid::Texel;
-use ndf_inspector::normal_map::{MapOptions, MapSource};
-use ndf_inspector::session::MapRequest;
+use ndf_inspector::normal_map::{MapOptions, MapSource, procedural};
+use ndf_inspector::session::{MapRequest, Session};
 
 use super::{Window, fitted, session, settle, window};
 
@@ -21,6 +24,11 @@ fn step_until(window: &mut Window, what: &str, done: impl Fn(&Window) -> bool) {
         std::thread::sleep(Duration::from_millis(10));
         window.step();
     }
+}
+
+/// Leaves the pointer where it is until a tooltip shows: after half a second, of 0.02 s a step.
+fn rest(window: &mut Window) {
+    window.run_steps(40);
 }
 
 /// Every name that a control carries, and how often.
@@ -46,6 +54,72 @@ fn every_control_has_a_name_of_its_own() {
         let wrong: Vec<_> = names.iter().filter(|(name, count)| name.trim().is_empty() || **count > 1).collect();
         assert!(wrong.is_empty(), "unnamed or doubled in {layout:?}: {wrong:?}");
     }
+}
+
+#[test]
+fn every_rule_of_the_material_is_offered_by_name() {
+    let mut window = window(fitted("pyramid5", 64));
+    let mut choose = |control: &str, choice: &str| {
+        window.get_by_label(control).click();
+        window.run();
+        window.get_by_label(choice).click();
+        window.run();
+        window.state().inspector.session.surface.material
+    };
+    for rule in ConvolutionRule::ALL.into_iter().rev() {
+        assert_eq!(choose("Convolution", rule.label()).convolution, rule);
+    }
+    for rule in DiffuseRule::ALL.into_iter().rev() {
+        assert_eq!(choose("Diffuse rule", rule.label()).diffuse_rule, rule);
+    }
+}
+
+#[test]
+fn a_rule_says_what_it_is_and_gives_its_equation() {
+    let mut window = window(fitted("pyramid5", 64));
+    for (control, choice, equation) in [
+        ("Convolution", "s + 1", "s' + 1 = kappa (s + 1) / (kappa + s + 1)"),
+        ("Convolution", "moment", "s' = (2m - 1) / (1 - m)"),
+        ("Convolution", "paper (eq. 20)", "s' = kappa s / (kappa + s)"),
+        ("Convolution", "exact", "(2l + 1) / (4 pi) rho_l A_l(kappa) P_l(u)"),
+        ("Diffuse rule", "cosine (Algorithm 2)", "max(mu.w, 0)"),
+        ("Diffuse rule", "exact", "rho_l = 1, 2/3, 1/4, 0, -1/24"),
+    ] {
+        window.get_by_label(control).click();
+        window.run();
+        window.get_by_label(choice).hover();
+        rest(&mut window);
+        assert!(window.query_by_label_contains(equation).is_some(), "{control}, {choice}: no {equation}");
+        window.get_by_label(choice).click();
+        window.run();
+    }
+}
+
+#[test]
+fn the_lobe_table_shows_colours_where_the_map_has_them() {
+    let mut plain = window(fitted("v-groove", 64));
+    plain.run();
+    assert!(plain.query_by_label("Colour of lobe 1").is_none());
+    let mut window = window(|wake| {
+        let mut map = procedural::find("v-groove").expect("a bundled map").make(64);
+        // Four texels to a groove: the first two face right.
+        let color = |index: usize| if index % 4 < 2 { [0.8, 0.1, 0.05] } else { [0.05, 0.2, 0.9] };
+        map.albedo = Some(Arc::new(Albedo { rgb: (0..map.len()).map(color).collect() }));
+        let mut session = Session::with_map(map, wake);
+        session.begin(FitSettings { lobes: 2, ..super::SETTINGS });
+        while session.fitting().is_running() {
+            session.wait(Duration::from_millis(20));
+        }
+        session
+    });
+    window.run();
+    window.get_by_label("Colour of lobe 1").hover();
+    rest(&mut window);
+    let first = window.state().inspector.session.lobes().mixture(window.state().inspector.session.selected());
+    let faces_right = first.expect("fitted").lobes[0].1.mean_direction.x > 0.0;
+    let text = if faces_right { "0.800, 0.100, 0.050" } else { "0.050, 0.200, 0.900" };
+    assert!(window.query_by_label_contains(text).is_some(), "no {text}");
+    assert!(window.query_by_label("Colour of lobe 2").is_some());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Every parameter of the controls: name, range, default, unit, tooltip.
 
 use crate::app::parameter::Parameter;
-use crate::brdf::Material;
+use crate::brdf::{ConvolutionRule, DiffuseRule, Material};
 use crate::filter::vmf::Alignment;
 use crate::lighting::DirectionalLight;
 use crate::session::opening::DEFAULT_HEIGHT_SCALE;
@@ -21,10 +21,42 @@ pub(super) const KAPPA: &str = "How a lobe's concentration follows from its mean
                                 A(kappa) = coth(kappa) - 1/kappa, or the papers' closed form, up to 5 % off.";
 pub(super) const ALIGNMENT: &str =
     "How lobe j of neighbouring texels is made to mean the same thing, so that hardware may interpolate it.";
-pub(super) const CONVOLUTION: &str =
-    "How the exponent of a Blinn-Phong lobe blurred by a vMF lobe is found (Han et al. 2007, eq. 20, and two others).";
+pub(super) const CONVOLUTION: &str = "How Blinn-Phong of exponent s is convolved with a lobe of concentration kappa.";
+pub(super) const DIFFUSE_RULE: &str = "How much light falls on what a lobe stands for.";
 pub(super) const LEVEL: &str = "Which level the surface reads: the one whose texels are as large as a pixel, or one \
                                 level everywhere.";
+
+/// What a convolution rule is.
+pub(super) fn convolution(rule: ConvolutionRule) -> &'static str {
+    match rule {
+        ConvolutionRule::ShiftedExponent => {
+            "s + 1: Blinn-Phong of s' + 1 = kappa (s + 1) / (kappa + s + 1), because its multipliers follow \
+             exp(-l(l+1) / (2(s+1))). The default: of the closed forms it measures best."
+        }
+        ConvolutionRule::Moment => {
+            "Moment: Blinn-Phong of s' = (2m - 1) / (1 - m) with m = A(kappa) (s + 1) / (s + 2), exact in the first \
+             moment."
+        }
+        ConvolutionRule::Paper => "Paper: Blinn-Phong of s' = kappa s / (kappa + s) (Han et al. 2007, eq. 20).",
+        ConvolutionRule::Exact => {
+            "Exact: the convolution itself, sum over l of (2l + 1) / (4 pi) rho_l A_l(kappa) P_l(u), from a table."
+        }
+    }
+}
+
+/// What a diffuse rule is.
+pub(super) fn diffuse(rule: DiffuseRule) -> &'static str {
+    match rule {
+        DiffuseRule::Cosine => {
+            "Cosine: max(mu.w, 0) of the lobe's mean direction mu (Han et al. 2007, Algorithm 2), wrong for wide lobes \
+             near the horizon."
+        }
+        DiffuseRule::Exact => {
+            "Exact: the clamped cosine convolved with the lobe, sum over l of (2l + 1) / 4 rho_l A_l(kappa) P_l(mu.w), \
+             rho_l = 1, 2/3, 1/4, 0, -1/24, ..., from a table."
+        }
+    }
+}
 
 pub(super) const HEIGHT_SCALE: Parameter = Parameter {
     name: "Height scale",

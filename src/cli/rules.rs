@@ -1,0 +1,52 @@
+//! The rules of convolution by name, as options have them.
+
+use clap::ValueEnum;
+
+use crate::brdf::{ConvolutionRule, DiffuseRule};
+
+/// How a lobe and Blinn-Phong are convolved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Convolution {
+    /// Equation 20 of Han et al. 2007.
+    Paper,
+    /// The same with s + 1 in the place of s.
+    #[default]
+    #[value(name = "s+1")]
+    ShiftedExponent,
+    /// Exact in the first moment.
+    Moment,
+    /// The convolution itself, a Legendre series.
+    Exact,
+}
+
+/// How a lobe reflects diffusely.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Diffuse {
+    /// The clamped cosine of its mean direction, Algorithm 2 of Han et al. 2007.
+    Cosine,
+    /// The clamped cosine convolved with the lobe.
+    #[default]
+    Exact,
+}
+
+impl Convolution {
+    /// The rule.
+    pub fn rule(self) -> ConvolutionRule {
+        match self {
+            Self::Paper => ConvolutionRule::Paper,
+            Self::ShiftedExponent => ConvolutionRule::ShiftedExponent,
+            Self::Moment => ConvolutionRule::Moment,
+            Self::Exact => ConvolutionRule::Exact,
+        }
+    }
+}
+
+impl Diffuse {
+    /// The rule.
+    pub fn rule(self) -> DiffuseRule {
+        match self {
+            Self::Cosine => DiffuseRule::Cosine,
+            Self::Exact => DiffuseRule::Exact,
+        }
+    }
+}
