@@ -213,9 +213,9 @@ mod tests {
             let footprint = Footprint::new((map.width, map.height), (grid.width, grid.height), texel);
             let mean = crate::filter::plain_mip::mean_normal(&map, &footprint).expect("valid texels");
             let stored = pyramid.texel(level, index).as_flattened();
-            for k in 0..6 {
+            for (k, &stored) in stored[..6].iter().enumerate() {
                 let exact = mean.x * k as f64 + mean.y;
-                assert!((f64::from(stored[k]) - exact).abs() < 1e-6, "level {level}, channel {k}");
+                assert!((f64::from(stored) - exact).abs() < 1e-6, "level {level}, channel {k}");
             }
             assert_eq!(stored[6..], [0.0, 0.0]);
         }

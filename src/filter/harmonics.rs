@@ -15,7 +15,7 @@ use std::sync::{Arc, OnceLock};
 use glam::{DVec3, Vec3};
 
 use super::channels::ChannelPyramid;
-use super::rival::{Parameter, Rival, RivalFilter, RivalKind, Source};
+use super::rival::{Built, Parameter, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
 use super::{Filter, LocalLight, Lookup, PlainMip};
 use crate::brdf::{Brdf, ConvolutionRule, Material};
@@ -54,7 +54,7 @@ pub struct Harmonics {
     coefficients: OnceLock<Arc<ChannelPyramid>>,
 }
 
-fn build(source: &Source<'_>, rival: Rival) -> Result<Arc<dyn RivalFilter>, Cancelled> {
+fn build(source: &Source<'_>, rival: Rival) -> Built {
     Ok(Arc::new(Harmonics {
         mip: Arc::clone(source.mip),
         last_band: usize::from(rival.parameter).min(MAX_BAND),

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3, Vec3, Vec4};
 
 use super::channels::ChannelPyramid;
-use super::rival::{Rival, RivalFilter, RivalKind, Source};
+use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
 use super::{Filter, LocalLight, Lookup, PlainMip};
 use crate::brdf::{Brdf, Material};
@@ -46,7 +46,7 @@ pub struct Lean {
     moments: Arc<ChannelPyramid>,
 }
 
-fn build(source: &Source<'_>, _: Rival) -> Result<Arc<dyn RivalFilter>, Cancelled> {
+fn build(source: &Source<'_>, _: Rival) -> Built {
     let moments = ChannelPyramid::average(&source.mip.map, 0, CHANNELS, &encode, source.monitor)?;
     Ok(Arc::new(Lean { mip: Arc::clone(source.mip), moments: Arc::new(moments) }))
 }

@@ -7,9 +7,8 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::rival::{Rival, RivalFilter, RivalKind, Source};
+use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::sampling::{Grid, trilinear};
-use super::vmf::Cancelled;
 use super::{Filter, LocalLight, Lookup, reflect};
 use crate::brdf::{Brdf, Material};
 use crate::normal_map::NormalMap;
@@ -35,11 +34,11 @@ pub static UNNORMALISED: RivalKind = RivalKind {
     build: build_unnormalised,
 };
 
-fn build(source: &Source<'_>, _: Rival) -> Result<Arc<dyn RivalFilter>, Cancelled> {
+fn build(source: &Source<'_>, _: Rival) -> Built {
     Ok(Arc::<PlainMip>::clone(source.mip))
 }
 
-fn build_unnormalised(source: &Source<'_>, _: Rival) -> Result<Arc<dyn RivalFilter>, Cancelled> {
+fn build_unnormalised(source: &Source<'_>, _: Rival) -> Built {
     Ok(Arc::new(UnnormalisedMip { mip: Arc::clone(source.mip) }))
 }
 

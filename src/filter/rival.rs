@@ -10,7 +10,7 @@ use super::channels::ChannelPyramid;
 use super::vmf::{Cancelled, Monitor, Rules};
 use super::{Filter, PlainMip, gmm, harmonics, lean, plain_mip, toksvig};
 
-/// Every rival, in the order they are offered. A new method is a line here.
+/// Every rival, in the order they are offered. A new method's last step is a line here.
 pub static RIVALS: [&RivalKind; 6] =
     [&plain_mip::KIND, &plain_mip::UNNORMALISED, &toksvig::KIND, &lean::KIND, &gmm::KIND, &harmonics::KIND];
 
@@ -28,8 +28,11 @@ pub struct RivalKind {
     /// WGSL of `fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec3f`.
     pub shader: &'static str,
     /// Makes the filter.
-    pub build: fn(&Source<'_>, Rival) -> Result<Arc<dyn RivalFilter>, Cancelled>,
+    pub build: fn(&Source<'_>, Rival) -> Built,
 }
+
+/// A filter that is made, unless nobody wants it any more.
+pub type Built = Result<Arc<dyn RivalFilter>, Cancelled>;
 
 /// The number that a rival's name carries.
 #[derive(Debug)]
@@ -119,7 +122,7 @@ impl Rival {
     }
 
     /// Makes the filter, on the current thread pool.
-    pub fn build(self, source: &Source<'_>) -> Result<Arc<dyn RivalFilter>, Cancelled> {
+    pub fn build(self, source: &Source<'_>) -> Built {
         (self.kind.build)(source, self)
     }
 }

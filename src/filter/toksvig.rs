@@ -9,8 +9,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::rival::{Rival, RivalFilter, RivalKind, Source};
-use super::vmf::Cancelled;
+use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::{Filter, LocalLight, Lookup, PlainMip, reflect};
 use crate::brdf::{BlinnPhong, Brdf, Material};
 use crate::normal_map::pyramid::Texel;
@@ -25,7 +24,7 @@ pub static KIND: RivalKind = RivalKind {
     build,
 };
 
-fn build(source: &Source<'_>, _: Rival) -> Result<Arc<dyn RivalFilter>, Cancelled> {
+fn build(source: &Source<'_>, _: Rival) -> Built {
     Ok(Arc::new(Toksvig { mip: Arc::clone(source.mip) }))
 }
 

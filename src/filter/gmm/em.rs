@@ -218,9 +218,9 @@ fn responsibilities(
 }
 
 fn m_step(mixture: &mut PlanarMixture, sums: &Sums, c: f64, pull: &Pull) {
-    for slot in 0..mixture.count {
-        let (gaussian, weight) = (&mut mixture.gaussians[slot], sums.weight[slot]);
-        let (pulling, towards) = pull[slot];
+    let count = mixture.count;
+    for (slot, (gaussian, &(pulling, towards))) in mixture.gaussians.iter_mut().zip(pull).enumerate().take(count) {
+        let weight = sums.weight[slot];
         gaussian.weight = weight / sums.total;
         if gaussian.weight < EMPTY_WEIGHT {
             gaussian.weight = 0.0;

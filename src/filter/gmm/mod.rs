@@ -16,7 +16,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::channels::ChannelPyramid;
-use super::rival::{Parameter, Rival, RivalFilter, RivalKind, Source};
+use super::rival::{Built, Parameter, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
 use super::{Filter, LocalLight, Lookup, PlainMip};
 use crate::brdf::{Brdf, Material};
@@ -48,7 +48,7 @@ pub struct Gmm {
     gaussians: Arc<ChannelPyramid>,
 }
 
-fn build(source: &Source<'_>, rival: Rival) -> Result<Arc<dyn RivalFilter>, Cancelled> {
+fn build(source: &Source<'_>, rival: Rival) -> Built {
     let count = usize::from(rival.parameter).clamp(1, MAX_GAUSSIANS);
     let gaussians = fit::fit(&source.mip.map, count, source.monitor)?;
     Ok(Arc::new(Gmm { mip: Arc::clone(source.mip), gaussians: Arc::new(gaussians) }))

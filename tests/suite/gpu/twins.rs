@@ -118,7 +118,9 @@ fn assert_rivals_have_twins_everywhere(chosen: impl Fn(&Rival) -> bool) {
     let mut rivals: Vec<Rival> = Rival::offered().filter(chosen).collect();
     rivals.reverse();
     rivals.dedup_by_key(|rival| rival.kind.name);
-    rivals.into_iter().for_each(|rival| assert_twins_everywhere(Method::Rival(rival)));
+    for rival in rivals {
+        assert_twins_everywhere(Method::Rival(rival));
+    }
 }
 
 #[test]
