@@ -13,10 +13,15 @@ use super::vmf::{Cancelled, Monitor};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::{Footprint, Span};
 
+/// Memory set aside for one method's channels: 4096 x 4096 at four layers with all coarser levels.
+const CHANNELS_BYTES: u64 = 3 << 29;
+
 /// Channels of the levels from `first_level` to the top, four to a layer.
 #[derive(Clone, Debug)]
 pub struct ChannelPyramid {
-    /// The map's finest level that is stored; methods that need no store for base texels leave level 0 out.
+    /// True where base texels need no store: the method shades them by their normals.
+    pub base_by_hand: bool,
+    /// The map's finest level that is stored; those left out for want of memory are the finest.
     pub first_level: usize,
     /// Groups of four channels per texel.
     pub layers: usize,
@@ -34,23 +39,25 @@ pub type Encode<'a> = &'a (dyn Fn(Vec3, &mut [f64]) + Sync);
 
 impl ChannelPyramid {
     /// Nothing but zeros.
-    pub fn zeros(map: &NormalMap, first_level: usize, layers: usize) -> Self {
+    pub fn zeros(map: &NormalMap, base_by_hand: bool, layers: usize) -> Self {
+        let first_level = first_that_fits(&map.level_sizes(), usize::from(base_by_hand), layers);
         let grid = |(width, height)| Grid { width, height, addressing: map.options.addressing };
         let grids: Vec<Grid> = map.level_sizes().into_iter().map(grid).collect();
         let stored = grids.iter().skip(first_level);
         let levels = stored.map(|grid| vec![[0.0; 4]; grid.width * grid.height * layers]).collect();
-        Self { first_level, layers, levels, grids }
+        Self { base_by_hand, first_level, layers, levels, grids }
     }
 
     /// The area-weighted means of `encode` over every footprint's valid normals; a flat normal's where there is none.
     pub fn average(
         map: &NormalMap,
-        first_level: usize,
+        base_by_hand: bool,
         channels: usize,
         encode: Encode<'_>,
         monitor: &Monitor,
     ) -> Result<Self, Cancelled> {
-        let mut pyramid = Self::zeros(map, first_level, channels.div_ceil(4));
+        let mut pyramid = Self::zeros(map, base_by_hand, channels.div_ceil(4));
+        let first_level = pyramid.first_level;
         let mut areas: Vec<Vec<f32>> = Vec::new();
         for index in 0..pyramid.levels.len() {
             let finer = pyramid.nested_in(index);
@@ -73,7 +80,7 @@ impl ChannelPyramid {
         (0..index).rev().find(nests)
     }
 
-    /// One texel's layers.
+    /// One texel's layers; its level must be stored.
     pub fn texel(&self, level: usize, index: usize) -> &[[f32; 4]] {
         &self.levels[level - self.first_level][index * self.layers..][..self.layers]
     }
@@ -108,6 +115,12 @@ impl ChannelPyramid {
         let seen = taps.0.iter().filter(|tap| tap.2 > 0.0);
         seen.map(|&(level, index, weight)| weight * Vec4::from(self.texel(level, index)[layer])).sum()
     }
+}
+
+/// The first level from `finest` on that the memory set aside can hold with all coarser ones.
+fn first_that_fits(sizes: &[(usize, usize)], finest: usize, layers: usize) -> usize {
+    let needed = |from: usize| sizes[from..].iter().map(|(w, h)| (w * h * layers) as u64 * 16).sum::<u64>();
+    (finest..sizes.len()).find(|&level| needed(level) <= CHANNELS_BYTES).unwrap_or(sizes.len() - 1)
 }
 
 /// A finer level that is done.
@@ -188,6 +201,7 @@ impl Level<'_> {
 mod tests {
     use super::*;
     use crate::normal_map::procedural;
+    use crate::normal_map::pyramid::level_sizes;
 
     fn nothing_else() -> Monitor {
         Monitor::new(Vec::new())
@@ -199,7 +213,7 @@ mod tests {
                 *channel = f64::from(normal.x) * k as f64 + f64::from(normal.y);
             }
         };
-        ChannelPyramid::average(map, 0, 6, encode, &nothing_else()).expect("nobody cancels")
+        ChannelPyramid::average(map, false, 6, encode, &nothing_else()).expect("nobody cancels")
     }
 
     #[test]
@@ -222,10 +236,19 @@ mod tests {
     }
 
     #[test]
+    fn levels_too_large_for_the_memory_set_aside_are_left_out_the_finest_first() {
+        let sizes = level_sizes(8192, 8192);
+        assert_eq!(first_that_fits(&sizes, 0, 1), 0);
+        assert_eq!(first_that_fits(&sizes, 0, 4), 1);
+        assert_eq!(first_that_fits(&sizes, 1, 43), 3);
+        assert_eq!(first_that_fits(&[(1, 1)], 1, 43), 0, "a map of one level");
+    }
+
+    #[test]
     fn a_cancelled_average_ends() {
         let monitor = nothing_else();
         monitor.cancel();
         let map = procedural::default_map();
-        assert!(ChannelPyramid::average(&map, 0, 4, &|_, _| {}, &monitor).is_err());
+        assert!(ChannelPyramid::average(&map, false, 4, &|_, _| {}, &monitor).is_err());
     }
 }

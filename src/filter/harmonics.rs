@@ -85,9 +85,8 @@ impl Harmonics {
                 }
             });
         };
-        let first_level = 1.min(self.mip.levels.len() - 1);
         let count = harmonics_to(self.last_band);
-        let made = ChannelPyramid::average(&self.mip.map, first_level, count, &encode, monitor)?;
+        let made = ChannelPyramid::average(&self.mip.map, true, count, &encode, monitor)?;
         Ok(self.coefficients.get_or_init(|| Arc::new(made)))
     }
 

@@ -19,6 +19,7 @@ use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
 use super::{Filter, LocalLight, Lookup, PlainMip};
 use crate::brdf::{Brdf, Material};
+use crate::ndf::Ndf;
 use crate::normal_map::pyramid::Texel;
 
 /// `lean`.
@@ -32,7 +33,7 @@ pub static KIND: RivalKind = RivalKind {
 };
 
 /// The least `n_z` that a slope is taken of: 87 degrees, a slope of 20.
-pub const LEAST_NORMAL_Z: f32 = 0.05;
+pub const LEAST_NORMAL_Z: f64 = 0.05;
 /// The least `h_z` that reflects: 89 degrees.
 pub const LEAST_HALF_Z: f64 = 0.02;
 
@@ -47,14 +48,18 @@ pub struct Lean {
 }
 
 fn build(source: &Source<'_>, _: Rival) -> Built {
-    let moments = ChannelPyramid::average(&source.mip.map, 0, CHANNELS, &encode, source.monitor)?;
+    let moments = ChannelPyramid::average(&source.mip.map, false, CHANNELS, &encode, source.monitor)?;
     Ok(Arc::new(Lean { mip: Arc::clone(source.mip), moments: Arc::new(moments) }))
 }
 
 /// The moments of one normal.
 fn encode(normal: Vec3, channels: &mut [f64]) {
-    let slope = (normal.truncate() / normal.z.max(LEAST_NORMAL_Z)).as_dvec2();
+    let slope = slope(normal.as_dvec3());
     channels.copy_from_slice(&[slope.x, slope.y, slope.x * slope.x, slope.y * slope.y, slope.x * slope.y]);
+}
+
+fn slope(normal: DVec3) -> DVec2 {
+    normal.truncate() / normal.z.max(LEAST_NORMAL_Z)
 }
 
 /// A Gaussian over slopes.
@@ -73,6 +78,18 @@ impl SlopeGaussian {
         // Stored moments round: a variance may come out below 0.
         let variance = (squares - mean * mean).max(DVec2::ZERO);
         Self { mean, variance, covariance: f64::from(second.x) - mean.x * mean.y }
+    }
+
+    /// The slopes of an NDF.
+    fn of_ndf(ndf: &Ndf<'_>) -> Self {
+        let (mut mean, mut squares, mut product) = (DVec2::ZERO, DVec2::ZERO, 0.0);
+        for (normal, weight) in ndf.samples() {
+            let slope = slope(normal);
+            mean += weight * slope;
+            squares += weight * slope * slope;
+            product += weight * slope.x * slope.y;
+        }
+        Self { mean, variance: (squares - mean * mean).max(DVec2::ZERO), covariance: product - mean.x * mean.y }
     }
 
     /// The density of half vectors, per steradian, for Blinn-Phong of exponent s.
@@ -104,9 +121,7 @@ impl RivalFilter for Lean {
 
 impl Filter for Lean {
     fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
-        let index = texel.y * self.moments.grid(texel.level).width + texel.x;
-        let stored = self.moments.texel(texel.level, index);
-        let slopes = SlopeGaussian::from_moments(stored[0].into(), stored[1].into());
+        let slopes = SlopeGaussian::of_ndf(&Ndf::of_texel(&self.mip.map, texel));
         match brdf {
             Brdf::Lambert => brdf.zonal(slopes.normal().dot(omega)),
             Brdf::BlinnPhong(model) => slopes.density(model.shininess, omega),

@@ -129,7 +129,7 @@ impl RivalTextures {
         }
         let held = self.held.as_ref()?;
         let [first, last] = complete_run(&self.complete, self.first_level)?;
-        let by_hand = held.first_level == 1 && first == 1.0 && map.left_out == 0 && map.base_is_complete();
+        let by_hand = held.base_by_hand && first <= 1.0 && map.left_out == 0 && map.base_is_complete();
         let lods = [finest_mean.max(if by_hand { 0.0 } else { first }), coarsest_mean.min(last)];
         (lods[0] <= lods[1]).then_some(lods)
     }

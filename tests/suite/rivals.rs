@@ -163,7 +163,7 @@ fn gaussians_blur_by_adding_the_materials_variance() {
         };
         let above = lobe(0.3, DVec2::new(0.2, -0.1), 0.01) + lobe(0.7, DVec2::new(-0.4, 0.3), 0.05);
         let expected = if half.z > 0.0 { above } else { 0.0 };
-        let found = gmm::effective_brdf(mixture.into_iter(), blinn_phong(64.0), half);
+        let found = gmm::effective_brdf(&mixture, blinn_phong(64.0), half);
         assert!((found - expected).abs() < 1e-12, "{half}: {found} against {expected}");
     }
 }

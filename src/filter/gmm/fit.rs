@@ -15,7 +15,7 @@ use crate::filter::channels::ChannelPyramid;
 use crate::filter::vmf::scanline::diagonals;
 use crate::filter::vmf::{Cancelled, Monitor};
 use crate::normal_map::NormalMap;
-use crate::normal_map::pyramid::Footprint;
+use crate::normal_map::pyramid::{Footprint, Texel};
 
 /// The strength of the pull, as in all of the paper's experiments.
 const PULL: f64 = 1.0;
@@ -25,26 +25,41 @@ const VISITED: [(isize, isize); 4] = [(-1, 0), (-1, -1), (0, -1), (1, -1)];
 
 /// Fits `count` Gaussians to every texel of every level.
 pub fn fit(map: &NormalMap, count: usize, monitor: &Monitor) -> Result<ChannelPyramid, Cancelled> {
-    let mut pyramid = ChannelPyramid::zeros(map, 0, count);
-    let top = pyramid.levels.len() - 1;
+    let mut pyramid = ChannelPyramid::zeros(map, false, count);
+    let sizes = map.level_sizes();
+    let (first, top) = (pyramid.first_level, sizes.len() - 1);
     if top > 0 {
-        top_mixture(map, count).store(&mut pyramid.levels[top]);
+        top_mixture(map, count).store(&mut pyramid.levels[top - first]);
     }
-    for level in (1..top).rev() {
+    for level in (first.max(1)..top).rev() {
         fit_level(map, &mut pyramid, level, monitor)?;
     }
     monitor.check()?;
+    if first > 0 {
+        return Ok(pyramid);
+    }
     let (base, coarse) = pyramid.levels.split_at_mut(1);
-    let size = (map.width, map.height);
-    let coarse = coarse.first().map(|stored| Coarser { size: map.level_sizes()[1], stored, count });
+    let coarse = coarse.first().map(|stored| Coarser { size: sizes[1], stored, count });
     base[0].par_chunks_mut(count).enumerate().for_each(|(index, target)| {
-        let Some(normal) = map.normal(index) else { return };
-        let mean = normal.truncate().as_dvec2();
+        let Some(gaussian) = of_base_texel(map, index) else { return };
         let texel = (index % map.width, index / map.width);
-        let slot = coarse.as_ref().map_or(0, |coarse| best_slot(&coarse.parent(texel, size), mean));
-        target[slot] = PlanarGaussian { weight: 1.0, mean, variance: 0.0 }.to_stored();
+        let slot = coarse.as_ref().map_or(0, |coarse| best_slot(&coarse.parent(texel, sizes[0]), gaussian.mean));
+        target[slot] = gaussian.to_stored();
     });
     Ok(pyramid)
+}
+
+/// The Gaussian of a base texel, of no width; `None` where the texel is invalid.
+pub fn of_base_texel(map: &NormalMap, index: usize) -> Option<PlanarGaussian> {
+    let normal = map.normal(index)?;
+    Some(PlanarGaussian { weight: 1.0, mean: normal.truncate().as_dvec2(), variance: 0.0 })
+}
+
+/// A texel's own fit, of a level that is not stored, from the mixture `seed` around it.
+pub fn of_texel(map: &NormalMap, texel: Texel, seed: &[[f32; 4]]) -> PlanarMixture {
+    let sizes = map.level_sizes();
+    let footprint = Footprint::new(sizes[0], sizes[texel.level], (texel.x, texel.y));
+    PlanarSamples::new(map, footprint).fit(PlanarMixture::from_stored(seed), 0.0, &NO_PULL)
 }
 
 /// A level that is done, seen from the next finer one.
@@ -108,9 +123,10 @@ fn farthest_apart(samples: &PlanarSamples<'_>, count: usize) -> ([DVec2; MAX_GAU
 fn fit_level(map: &NormalMap, pyramid: &mut ChannelPyramid, level: usize, monitor: &Monitor) -> Result<(), Cancelled> {
     let (sizes, count) = (map.level_sizes(), pyramid.layers);
     let (width, height) = sizes[level];
-    let (finer, coarse) = pyramid.levels.split_at_mut(level + 1);
+    let index = level - pyramid.first_level;
+    let (finer, coarse) = pyramid.levels.split_at_mut(index + 1);
     let coarser = Coarser { size: sizes[level + 1], stored: &coarse[0], count };
-    let stored = &mut finer[level];
+    let stored = &mut finer[index];
     let mut fitted = Vec::with_capacity(height);
     diagonals(width, height, |texels| {
         let fit = |&texel: &(usize, usize)| {

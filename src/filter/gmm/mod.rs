@@ -22,6 +22,7 @@ use super::{Filter, LocalLight, Lookup, PlainMip};
 use crate::brdf::{Brdf, Material};
 use crate::normal_map::pyramid::Texel;
 
+pub use em::PlanarMixture;
 pub use gaussian::{MAX_GAUSSIANS, PlanarGaussian};
 
 /// `gmm:N`.
@@ -55,20 +56,36 @@ fn build(source: &Source<'_>, rival: Rival) -> Built {
 }
 
 impl Gmm {
-    /// The Gaussians of one texel, empty slots left out.
-    pub fn mixture(&self, texel: Texel) -> impl Iterator<Item = PlanarGaussian> + '_ {
-        let index = texel.y * self.gaussians.grid(texel.level).width + texel.x;
-        self.gaussians.texel(texel.level, index).iter().filter_map(|&stored| PlanarGaussian::from_stored(stored))
+    /// The Gaussians of one texel; a flat one for a base texel that is invalid.
+    pub fn mixture(&self, texel: Texel) -> PlanarMixture {
+        let map = &self.mip.map;
+        let (count, first) = (self.gaussians.layers, self.gaussians.first_level);
+        if texel.level == 0 {
+            let mut mixture = PlanarMixture::flat(count);
+            mixture.gaussians[0] =
+                fit::of_base_texel(map, texel.y * map.width + texel.x).unwrap_or(mixture.gaussians[0]);
+            return mixture;
+        }
+        let stored = |level: usize| {
+            let (from, to) = (self.gaussians.grid(texel.level), self.gaussians.grid(level));
+            let column = (2 * texel.x + 1) * to.width / (2 * from.width);
+            let row = (2 * texel.y + 1) * to.height / (2 * from.height);
+            self.gaussians.texel(level, row * to.width + column)
+        };
+        if texel.level < first {
+            return fit::of_texel(map, texel, stored(first));
+        }
+        PlanarMixture::from_stored(stored(texel.level))
     }
 }
 
 /// `sum_i alpha_i f_i(omega)`, per steradian.
-pub fn effective_brdf(mixture: impl Iterator<Item = PlanarGaussian>, brdf: Brdf, omega: DVec3) -> f64 {
-    let of_gaussian = |gaussian: PlanarGaussian| match brdf {
+pub fn effective_brdf(mixture: &[PlanarGaussian], brdf: Brdf, omega: DVec3) -> f64 {
+    let of_gaussian = |gaussian: &PlanarGaussian| match brdf {
         Brdf::Lambert => gaussian.weight * brdf.zonal(gaussian.normal().dot(omega)),
         Brdf::BlinnPhong(model) => gaussian.weight * gaussian.density(1.0 / model.shininess, omega),
     };
-    mixture.map(of_gaussian).sum()
+    mixture.iter().filter(|gaussian| gaussian.weight > 0.0).map(of_gaussian).sum()
 }
 
 impl RivalFilter for Gmm {
@@ -79,7 +96,7 @@ impl RivalFilter for Gmm {
 
 impl Filter for Gmm {
     fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
-        effective_brdf(self.mixture(texel), brdf, omega)
+        effective_brdf(&self.mixture(texel).gaussians, brdf, omega)
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
