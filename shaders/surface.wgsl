@@ -24,11 +24,17 @@ struct Frame {
     wraps: u32,
     first_sample: u32,
     sample_count: u32,
-    colored: u32,
     diffuse_rule: u32,
-    padding: vec2u,
+    padding: u32,
+    more_padding: vec2u,
     fold: array<vec4u, 4>,
 }
+
+// A pipeline is made for what it is asked for: software adapters run both sides of every branch.
+// Whether the map has colour.
+override COLORED: bool = false;
+// Whether a rule needs the tables.
+override EXACT_RULES: bool = false;
 
 // Weights below this are an empty slot (sphere/mixture.rs).
 const EMPTY_WEIGHT: f32 = 1e-7;
@@ -45,7 +51,7 @@ const MAX_LOBES: u32 = 16u;
 @group(1) @binding(1) var base_slots: texture_2d<u32>;
 // Stored lobes, a layer per slot, from level 1 upward.
 @group(1) @binding(2) var lobes: texture_2d_array<f32>;
-// Mean colours of every level, and the lobes' stored colours alpha y; one texel each where `colored` is 0.
+// Mean colours of every level, and the lobes' stored colours alpha y; one texel each but where `COLORED`.
 @group(1) @binding(3) var mean_colors: texture_2d<f32>;
 @group(1) @binding(4) var lobe_colors: texture_2d_array<f32>;
 @group(1) @binding(5) var trilinear: sampler;
@@ -104,7 +110,7 @@ fn local_light(point: Point) -> LocalLight {
     return LocalLight(frame.light_in_world * world_from_tangent, half * world_from_tangent);
 }
 
-// A lobe as stored, with its stored colour alpha y.
+// A lobe as stored, with its stored colour alpha y; that is read only where `COLORED`.
 struct ColoredLobe {
     stored: vec4f,
     color: vec3f,
@@ -116,7 +122,7 @@ fn plus(a: ColoredLobe, b: ColoredLobe) -> ColoredLobe {
 
 // The mean colour of a texel; white where the map has no colour.
 fn color_at(texel: vec2i) -> vec3f {
-    if frame.colored != 0u {
+    if COLORED {
         return textureLoad(mean_colors, texel, 0).rgb;
     }
     return vec3f(1.0);
@@ -158,7 +164,7 @@ fn truth(point: Point) -> @location(0) vec4u {
 
 // The mean colour around a point; white where the map has no colour.
 fn mean_color(lookup: Lookup, lod: f32) -> vec3f {
-    if frame.colored != 0u {
+    if COLORED {
         return textureSampleLevel(mean_colors, trilinear, lookup.uv, lod - frame.base_level).rgb;
     }
     return vec3f(1.0);
@@ -166,7 +172,8 @@ fn mean_color(lookup: Lookup, lod: f32) -> vec3f {
 
 // The base texels around a point, each a lobe (1, n) in a slot of its own.
 struct BaseTaps {
-    lobe: array<ColoredLobe, 4>,
+    stored: array<vec4f, 4>,
+    color: array<vec3f, 4>,
     slot: vec4u,
 }
 
@@ -176,7 +183,8 @@ fn base_taps(uv: vec2f) -> BaseTaps {
     var texels = taps.texel;
     for (var i = 0; i < 4; i++) {
         let lobe = base_lobe(texels[i]);
-        result.lobe[i] = ColoredLobe(taps.weight[i] * lobe.stored, taps.weight[i] * lobe.color);
+        result.stored[i] = taps.weight[i] * lobe.stored;
+        result.color[i] = taps.weight[i] * lobe.color;
         result.slot[i] = fold(textureLoad(base_slots, texels[i], 0).r);
     }
     return result;
@@ -193,8 +201,8 @@ fn coarse_slot(uv: vec2f, lod: f32, target_slot: u32) -> ColoredLobe {
     for (var slot = 0u; slot < frame.lobes; slot++) {
         if fold(slot) == target_slot {
             let stored = textureSampleLevel(lobes, trilinear, uv, slot, lod - frame.lobe_level);
-            var color = vec3f(stored.x);
-            if frame.colored != 0u {
+            var color = vec3f(0.0);
+            if COLORED {
                 color = textureSampleLevel(lobe_colors, trilinear, uv, slot, lod - frame.lobe_level).rgb;
             }
             sum = plus(sum, ColoredLobe(stored, color));
@@ -209,7 +217,7 @@ fn base_slot(base: BaseTaps, target_slot: u32) -> ColoredLobe {
     var taps = base;
     for (var i = 0; i < 4; i++) {
         if taps.slot[i] == target_slot {
-            sum = plus(sum, taps.lobe[i]);
+            sum = plus(sum, ColoredLobe(taps.stored[i], taps.color[i]));
         }
     }
     return sum;
@@ -224,7 +232,11 @@ fn shade_lobe(lobe: ColoredLobe, light: LocalLight, material: Material) -> vec3f
     let light_cosine = dot(mu, light.light_in_tangent);
     let specular = convolved(material.convolution, kappa, material.shininess, dot(mu, light.half_in_tangent));
     let diffuse = diffuse_cosine(material.diffuse_rule, kappa, light_cosine);
-    return lobe.color * (
+    var color = vec3f(lobe.stored.x);
+    if COLORED {
+        color = lobe.color;
+    }
+    return color * (
         material.specular * specular * max(light_cosine, 0.0) * material.specular_color
         + material.diffuse * diffuse * material.diffuse_color);
 }
@@ -260,19 +272,18 @@ fn vmf(point: Point) -> @location(0) vec4u {
 
 // What the lobes of one texel reflect, slots folded before they are shaded.
 fn shade_texel(texel: vec2i, level: i32, light: LocalLight, material: Material) -> vec3f {
-    var folded = array<ColoredLobe, MAX_LOBES>();
+    var folded = array<vec4f, MAX_LOBES>();
+    var colors = array<vec3f, MAX_LOBES>();
     for (var slot = 0u; slot < frame.lobes; slot++) {
-        let stored = textureLoad(lobes, texel, slot, level);
-        var color = vec3f(stored.x);
-        if frame.colored != 0u {
-            color = textureLoad(lobe_colors, texel, slot, level).rgb;
+        folded[fold(slot)] += textureLoad(lobes, texel, slot, level);
+        if COLORED {
+            colors[fold(slot)] += textureLoad(lobe_colors, texel, slot, level).rgb;
         }
-        folded[fold(slot)] = plus(folded[fold(slot)], ColoredLobe(stored, color));
     }
     var sum = vec3f(0.0);
     for (var slot = 0u; slot < frame.lobes; slot++) {
-        if folded[slot].stored.x > EMPTY_WEIGHT {
-            sum += shade_lobe(folded[slot], light, material);
+        if folded[slot].x > EMPTY_WEIGHT {
+            sum += shade_lobe(ColoredLobe(folded[slot], colors[slot]), light, material);
         }
     }
     return sum;

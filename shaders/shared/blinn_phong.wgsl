@@ -1,4 +1,4 @@
-// Twin of brdf/blinn_phong.rs.
+// Twin of brdf/blinn_phong.rs. EXACT_RULES is the pass's to override.
 
 const PAPER: u32 = 0u;
 const SHIFTED_EXPONENT: u32 = 1u;
@@ -23,16 +23,20 @@ fn blinn_phong(shininess: f32, cosine: f32) -> f32 {
 
 // Blinn-Phong of exponent `shininess` convolved with a lobe of concentration `kappa`, at the cosine to its direction.
 fn convolved(rule: u32, kappa: f32, shininess: f32, cosine: f32) -> f32 {
-    if rule == EXACT {
-        return exact_convolved(OF_MATERIAL, kappa, shininess, cosine);
+    if EXACT_RULES {
+        if rule == EXACT {
+            return exact_convolved(OF_MATERIAL, kappa, shininess, cosine);
+        }
     }
     return blinn_phong(blurred_exponent(rule, kappa, shininess), cosine);
 }
 
 // A lobe's max(n . w, 0), for the cosine between its mean direction and the light.
 fn diffuse_cosine(rule: u32, kappa: f32, cosine: f32) -> f32 {
-    if rule == EXACT_COSINE {
-        return 0.5 * TAU * exact_convolved(OF_LAMBERTIAN, kappa, 1.0, cosine);
+    if EXACT_RULES {
+        if rule == EXACT_COSINE {
+            return 0.5 * TAU * exact_convolved(OF_LAMBERTIAN, kappa, 1.0, cosine);
+        }
     }
     return max(cosine, 0.0);
 }

@@ -10,6 +10,7 @@ use super::passes::compare::{CompareData, ComparePass};
 use super::passes::surface::{FrameData, Reads, SurfacePass, Target};
 use super::readback::{self, ReadbackError};
 use super::rival_textures::RivalTextures;
+use super::surface_pipelines::Variant;
 use super::textures::MapTextures;
 use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::channels::ChannelPyramid;
@@ -174,6 +175,8 @@ impl SurfaceFrame {
         if !due.is_empty() {
             let data = self.frame_data(input, size);
             self.surface.prepare(device, queue, input.surface, &data);
+            let variant = Variant::new(self.textures.is_colored(), &input.surface.material);
+            self.surface.prepare_methods(device, &due, variant);
         }
         for method in due {
             self.draw_method(encoder, queue, method, input, &mut targets);
@@ -198,7 +201,7 @@ impl SurfaceFrame {
         for (rival, channels) in sides.into_iter().zip(input.channels) {
             let Some(rival) = rival else { continue };
             if find(&self.rivals, rival).is_none() {
-                let textures = self.surface.rival_textures(device, rival);
+                let textures = self.surface.rival_textures(device);
                 let target = self.surface.target(device, rival.kind.name, targets.size);
                 self.rivals.push(RivalPicture { rival, textures, target });
             }
@@ -303,7 +306,6 @@ impl SurfaceFrame {
             wraps: u32::from(map.options.addressing == Addressing::Wrap),
             first_sample: self.truth_samples,
             sample_count: self.samples_due(),
-            colored: u32::from(self.textures.is_colored()),
             ..FrameData::of_surface(input.surface, size)
         };
         data.set_fold(&input.fold);

@@ -11,6 +11,7 @@ pub mod passes;
 pub mod picture;
 pub mod readback;
 pub mod rival_textures;
+pub mod surface_pipelines;
 pub mod textures;
 pub mod upload;
 

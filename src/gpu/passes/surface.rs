@@ -4,19 +4,21 @@ use std::collections::HashMap;
 
 use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::Method;
-use crate::filter::rival::{Rival, RivalKind};
+use crate::filter::rival::RivalKind;
 use crate::filter::vmf::Fold;
 use crate::gpu::exact_tables::ExactTables;
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer};
 use crate::gpu::rival_textures::RivalTextures;
+use crate::gpu::surface_pipelines::{SurfacePipelines, Variant};
 use crate::gpu::textures::MapTextures;
 use crate::lit_surface::{LevelChoice, LitSurface};
-use crate::scene::{ShapeKind, Vertex};
+use crate::scene::ShapeKind;
 
 /// The format of the pictures: 32-bit floats, which sums of many samples need, bit for bit in unsigned integers, which
 /// every adapter can draw to.
 pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
-const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// The format of their depth.
+pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shader's parts, in order.
 pub const SHADER: [&str; 7] = [
@@ -78,12 +80,12 @@ pub struct FrameData {
     pub first_sample: u32,
     /// Samples of the truth to add.
     pub sample_count: u32,
-    /// 1 where the map has colour.
-    pub colored: u32,
     /// The rule for the diffuse part, by the shader's number.
     pub diffuse_rule: u32,
     /// Nothing.
-    pub padding: [u32; 2],
+    pub padding: u32,
+    /// Nothing.
+    pub more_padding: [u32; 2],
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
 }
@@ -132,25 +134,14 @@ impl FrameData {
 /// Pipelines, meshes and constants.
 #[derive(Debug)]
 pub struct SurfacePass {
-    truth: wgpu::RenderPipeline,
-    vmf: wgpu::RenderPipeline,
-    vmf_unaligned: wgpu::RenderPipeline,
-    /// By name, each compiled when it is first shown.
-    rivals: HashMap<&'static str, wgpu::RenderPipeline>,
+    pipelines: SurfacePipelines,
+    variant: Variant,
     constants: wgpu::Buffer,
     exact_tables: ExactTables,
     frame_group: wgpu::BindGroup,
-    layouts: Layouts,
+    sum_layout: wgpu::BindGroupLayout,
+    rival_layout: wgpu::BindGroupLayout,
     meshes: HashMap<ShapeKind, MeshBuffers>,
-}
-
-/// The bind groups' layouts: group 0, group 1, and the two that group 2 may have.
-#[derive(Debug)]
-struct Layouts {
-    frame: wgpu::BindGroupLayout,
-    map: wgpu::BindGroupLayout,
-    sum: wgpu::BindGroupLayout,
-    rival: wgpu::BindGroupLayout,
 }
 
 /// What a method reads beside the map.
@@ -195,47 +186,21 @@ impl SurfacePass {
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM, ExactTables::BINDING]);
         let sum_type = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
-        let sum = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[sum_type]);
-        let layouts = Layouts { frame, map: map.clone(), sum, rival: RivalTextures::layout(device) };
-        let shader = layout::shader(device, "surface", &SHADER);
-        let shared = [Some(&layouts.frame), Some(&layouts.map)];
-        let with_sum = [Some(&layouts.frame), Some(&layouts.map), Some(&layouts.sum)];
+        let sum_layout = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[sum_type]);
+        let rival_layout = RivalTextures::layout(device);
+        let pipelines = SurfacePipelines::new(device, [&frame, map], [&sum_layout, &rival_layout]);
         let constants = uniform_buffer::<FrameData>(device, "surface frame");
         let exact_tables = ExactTables::new(device);
         let tables = exact_tables.view();
         let resources = [constants.as_entire_binding(), wgpu::BindingResource::TextureView(&tables)];
-        let frame_group = bind_group(device, "surface frame", &layouts.frame, &resources);
-        Self {
-            truth: pipeline(device, &shader, "truth", &with_sum),
-            vmf: pipeline(device, &shader, "vmf", &shared),
-            vmf_unaligned: pipeline(device, &shader, "vmf_unaligned", &shared),
-            rivals: HashMap::new(),
-            constants,
-            exact_tables,
-            frame_group,
-            layouts,
-            meshes: HashMap::new(),
-        }
+        let frame_group = bind_group(device, "surface frame", &frame, &resources);
+        let (variant, meshes) = (Variant::default(), HashMap::new());
+        Self { pipelines, variant, constants, exact_tables, frame_group, sum_layout, rival_layout, meshes }
     }
 
     /// No channels yet, of a rival that is to be drawn.
-    pub fn rival_textures(&mut self, device: &wgpu::Device, rival: Rival) -> RivalTextures {
-        let layouts = &self.layouts;
-        self.rivals.entry(rival.kind.name).or_insert_with(|| {
-            let shader = layout::shader(device, rival.kind.name, &rival_shader(rival.kind));
-            let groups = [Some(&layouts.frame), Some(&layouts.map), Some(&layouts.rival)];
-            pipeline(device, &shader, "rival", &groups)
-        });
-        RivalTextures::new(device, &layouts.rival)
-    }
-
-    fn pipeline(&self, method: Method) -> Option<&wgpu::RenderPipeline> {
-        match method {
-            Method::Truth => Some(&self.truth),
-            Method::Vmf => Some(&self.vmf),
-            Method::VmfUnaligned => Some(&self.vmf_unaligned),
-            Method::Rival(rival) => self.rivals.get(rival.kind.name),
-        }
+    pub fn rival_textures(&self, device: &wgpu::Device) -> RivalTextures {
+        RivalTextures::new(device, &self.rival_layout)
     }
 
     /// A picture to draw into, with depth of its own.
@@ -247,7 +212,7 @@ impl SurfacePass {
         let view = color.create_view(&wgpu::TextureViewDescriptor { label: Some(label), ..Default::default() });
         let depth_label = wgpu::TextureViewDescriptor { label: Some("surface depth"), ..Default::default() };
         let resource = wgpu::BindingResource::TextureView(&view);
-        let as_sum = bind_group(device, "truth so far", &self.layouts.sum, &[resource]);
+        let as_sum = bind_group(device, "truth so far", &self.sum_layout, &[resource]);
         Target { depth: depth.create_view(&depth_label), as_sum, color, view }
     }
 
@@ -259,6 +224,12 @@ impl SurfacePass {
         self.meshes.entry(kind).or_insert_with(|| MeshBuffers::new(device, queue, kind));
     }
 
+    /// Makes sure of the pipelines of `methods` for what they will draw next.
+    pub fn prepare_methods(&mut self, device: &wgpu::Device, methods: &[Method], variant: Variant) {
+        self.variant = variant;
+        self.pipelines.make(device, methods, variant);
+    }
+
     /// Draws `kind` by `method` into `target`.
     pub fn draw(
         &self,
@@ -268,7 +239,9 @@ impl SurfacePass {
         target: &Target,
         reads: Reads<'_>,
     ) {
-        let (Some(mesh), Some(pipeline)) = (self.meshes.get(&kind), self.pipeline(method)) else { return };
+        let (Some(mesh), Some(pipeline)) = (self.meshes.get(&kind), self.pipelines.get(method, self.variant)) else {
+            return;
+        };
         let mut pass = begin(encoder, target);
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.frame_group, &[]);
@@ -344,51 +317,5 @@ fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, target: &Target) -> wgpu::Re
         timestamp_writes: None,
         occlusion_query_set: None,
         multiview_mask: None,
-    })
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    shader: &wgpu::ShaderModule,
-    entry_point: &str,
-    groups: &[Option<&wgpu::BindGroupLayout>],
-) -> wgpu::RenderPipeline {
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("surface"),
-        bind_group_layouts: groups,
-        immediate_size: 0,
-    });
-    let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2];
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(entry_point),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: shader,
-            entry_point: Some("vertex"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Vertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &attributes,
-            })],
-        },
-        // Both sides are drawn: a plane that vanished when seen from below would puzzle.
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Less),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: shader,
-            entry_point: Some(entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(COLOR_FORMAT.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
     })
 }

@@ -57,9 +57,9 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         wraps,
         first_sample,
         sample_count,
-        colored,
         diffuse_rule,
         padding,
+        more_padding,
         fold,
     });
     assert_eq!(layout(&module, "Frame"), rust);
