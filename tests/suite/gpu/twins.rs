@@ -114,11 +114,19 @@ fn rivals_with_channels_on_the_adapter_equal_their_twins() {
 }
 
 /// Of each kind the last that is offered: the one of most channels.
-fn assert_rivals_have_twins_everywhere(chosen: impl Fn(&Rival) -> bool) {
-    let mut rivals: Vec<Rival> = Rival::offered().filter(chosen).collect();
+fn rivals() -> Vec<Rival> {
+    let mut rivals: Vec<Rival> = Rival::offered().collect();
     rivals.reverse();
     rivals.dedup_by_key(|rival| rival.kind.name);
-    for rival in rivals {
+    rivals
+}
+
+fn methods() -> impl Iterator<Item = Method> {
+    rivals().into_iter().map(Method::Rival).chain([Method::Truth, Method::Vmf, Method::VmfUnaligned])
+}
+
+fn assert_rivals_have_twins_everywhere(chosen: impl Fn(&Rival) -> bool) {
+    for rival in rivals().into_iter().filter(chosen) {
         assert_twins_everywhere(Method::Rival(rival));
     }
 }
@@ -162,7 +170,7 @@ fn maps_of_any_size_and_either_addressing_have_twins() {
     for (width, height, addressing) in
         [(40, 23, Addressing::Clamp), (40, 23, Addressing::Wrap), (1, 7, Addressing::Wrap), (1, 1, Addressing::Clamp)]
     {
-        for method in Method::offered() {
+        for method in methods() {
             let mut scene = Scene::new(maps::rough(width, height, addressing), 3);
             scene.surface.shape = Shape { kind: ShapeKind::Sphere, tiling: [3.0, 2.0] };
             assert_twins(&scene, method, &format!("{method} of {width}x{height}, {addressing:?}"));
@@ -231,7 +239,7 @@ fn a_fixed_level_has_a_twin_whole_or_between_two() {
     let mut scene = Scene::new(maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color), 6);
     for level in [0.0, 0.4, 1.0, 2.7, 6.0, 9.0] {
         scene.surface.level = LevelChoice::Fixed(level);
-        for method in Method::offered().filter(|&method| method != Method::Truth) {
+        for method in methods().filter(|&method| method != Method::Truth) {
             if level < 6.0 {
                 assert_twins(&scene, method, &format!("{method} at level {level}"));
             } else {
