@@ -79,7 +79,8 @@ impl Inspector {
     pub fn is_settled(&self) -> bool {
         let session = &self.session;
         let fitting = session.fitting();
-        let busy = fitting.is_running() || fitting.is_measuring() || session.is_opening() || self.report.is_gathering();
+        let computing = fitting.is_running() || fitting.is_measuring() || session.is_building();
+        let busy = computing || session.is_opening() || self.report.is_gathering();
         !busy && !self.surroundings.target.status.get().wants_more
     }
 

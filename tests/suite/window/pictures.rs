@@ -42,7 +42,7 @@ fn the_surface_by_each_method_and_at_a_wipe() {
     let mut window = window(fitted("plate", 128));
     window.state_mut().inspector.session.surface.camera.distance = 6.0;
     for (method, shape) in
-        [(Method::Truth, ShapeKind::Plane), (Method::Mip, ShapeKind::Sphere), (Method::Vmf, ShapeKind::Torus)]
+        [(Method::Truth, ShapeKind::Plane), (Method::MIP, ShapeKind::Sphere), (Method::Vmf, ShapeKind::Torus)]
     {
         let session = &mut window.state_mut().inspector.session;
         session.comparison = Comparison { left: method, right: method, wipe: 0.5 };
