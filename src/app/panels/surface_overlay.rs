@@ -7,7 +7,7 @@ use super::map_panel::badge;
 use super::surface_panel::{WIDE, dome_point, project};
 use crate::app::theme;
 use crate::filter::Method;
-use crate::filter::vmf::Fold;
+use crate::filter::vmf::{FitSettings, Fold, Selection};
 use crate::lit_surface::LitSurface;
 use crate::session::fitting::LevelState;
 
@@ -40,7 +40,7 @@ fn method_badges(painter: &Painter, context: &PanelContext<'_>, method: Method, 
         }
         Method::Rival(_) => method.label(),
         Method::Vmf | Method::VmfUnaligned => {
-            format!("{} · J = {}", method.label(), context.session.fit_settings().lobes)
+            format!("{} · J = {}", method.label(), lobe_count(context.session.fit_settings()))
         }
     };
     let rect = badge(painter, at, align, &text, theme::STRONG);
@@ -63,6 +63,15 @@ fn channels_note(context: &PanelContext<'_>, method: Method) -> Option<(String, 
         return None;
     };
     Some((text.to_owned(), theme::WARNING))
+}
+
+/// How many lobes a texel gets, as the badge says it.
+fn lobe_count(settings: &FitSettings) -> String {
+    match settings.selection {
+        Selection::Fixed => settings.lobes.to_string(),
+        Selection::BrdfError { percent } => format!("auto {percent} %"),
+        Selection::Bic => "BIC".to_owned(),
+    }
 }
 
 /// What keeps the lobes shown from being the fit that was asked for.
