@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::bins::{self, BinnedSamples};
 use super::children::Children;
-use super::em::{self, Stop, TexelFit};
+use super::em::{self, EStep, Stop, TexelFit};
 use super::fit::{FitSettings, LevelStats};
 use super::lanes::LANES;
 use super::monitor::{Cancelled, Monitor};
@@ -84,7 +84,8 @@ impl<'a> LevelFit<'a> {
     /// Fits at most [`LANES`] texels and shows each to `keep` with its place among them; returns the visits of normals
     /// that are not reported yet.
     fn fit_texels(&self, texels: Range<usize>, keep: &mut dyn FnMut(usize, &TexelFit)) -> u64 {
-        if (self.settings.objective, self.settings.selection) == (Objective::Em, Selection::Fixed)
+        let plain = (Objective::Em, Selection::Fixed, EStep::WithAlpha);
+        if (self.settings.objective, self.settings.selection, self.settings.e_step) == plain
             && let Some(normals) = crowd_em::fit(self, texels.clone(), keep)
         {
             return (normals * most_passes(self.settings)) as u64;
@@ -256,7 +257,10 @@ fn fit_by_em(samples: &FootprintSamples<'_>, children: &Children<'_>, task: &mut
     let stop = settings.stop();
     let mut run = |name, seed, stop| {
         task.begin(name);
-        em::fit(samples, seed, stop, settings.kappa, |mean| task.saw(mean))
+        match settings.e_step {
+            EStep::WithAlpha => em::fit(samples, seed, stop, settings.kappa, |mean| task.saw(mean)),
+            EStep::AsPrinted => em::fit_as_printed(samples, seed, stop, settings.kappa, |mean| task.saw(mean)),
+        }
     };
     let seed = seed_of(children, samples, settings.lobes);
     if samples.len() < RACED || settings.iterations <= RACE {
