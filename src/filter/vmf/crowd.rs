@@ -10,7 +10,7 @@
 use std::cell::RefCell;
 use std::f32::consts::LOG2_E;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4Swizzles};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
@@ -20,6 +20,7 @@ use super::lanes::{LANES, Lanes};
 use super::lobe_lanes::LobeLanes;
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Footprint;
+use crate::sphere::StoredLobe;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf::KappaRule;
 
@@ -100,9 +101,9 @@ pub struct CrowdLobes {
     pub count: usize,
     rule: KappaRule,
     /// Weights; 0 is an empty slot.
-    alpha: [Lanes; MAX_LOBES],
+    pub(super) alpha: [Lanes; MAX_LOBES],
     /// Mean resultant vectors, by axis.
-    resultant: [[Lanes; 3]; MAX_LOBES],
+    pub(super) resultant: [[Lanes; 3]; MAX_LOBES],
     /// The lobes of the E-step.
     lobes: [LobeLanes; MAX_LOBES],
 }
@@ -170,6 +171,18 @@ impl CrowdLobes {
                 self.resultant[j][axis].0[lane] = other.resultant[j][axis].0[lane];
                 own.mu[axis].0[lane] = theirs.mu[axis].0[lane];
             }
+        }
+    }
+
+    /// Writes one texel's mixture to its slots; `total` is the weight of its normals, as for [`Self::texel`].
+    pub fn store(&self, lane: usize, total: f32, target: &mut [StoredLobe]) {
+        if total <= 0.0 {
+            return TexelLobes::flat(self.count).store(target);
+        }
+        for ((alpha, resultant), stored) in self.alpha.iter().zip(&self.resultant).zip(target) {
+            let [x, y, z] = resultant;
+            let r = Vec3::new(x.0[lane], y.0[lane], z.0[lane]).clamp_length_max(1.0);
+            *stored = (alpha.0[lane] * r.extend(1.0)).wxyz().to_array();
         }
     }
 
