@@ -38,6 +38,12 @@ pub fn choose(lobes: &LobePyramid, monitor: &Monitor) -> Result<BaseSlots, Cance
     let Some(coarse) = lobes.level(1).filter(|coarse| coarse.lobes > 1) else {
         return Ok(first(map.len()));
     };
+    // On a thread of the pool: a diagonal at a time, one from outside would wake it up thousands of times.
+    rayon::scope(|_| sweep(lobes, coarse, monitor))
+}
+
+fn sweep(lobes: &LobePyramid, coarse: &MixtureLevel, monitor: &Monitor) -> Result<BaseSlots, Cancelled> {
+    let map = &lobes.map;
     let pull = CoarseCosts::new(coarse);
     let mut slots = vec![UNVISITED; map.len()];
     let mut chosen = Vec::new();

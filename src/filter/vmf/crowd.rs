@@ -25,7 +25,7 @@ use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf::KappaRule;
 
 /// Most normals of a footprint that joins a crowd: those of level 3, with room for sizes that are no power of two.
-pub const MOST_NORMALS: usize = 96;
+pub const MOST_NORMALS: usize = 100;
 
 /// The normals of a crowd's texels, the first of every texel before the second of any.
 pub struct CrowdSamples {
@@ -42,8 +42,15 @@ thread_local! {
     static SAMPLES: RefCell<CrowdSamples> = RefCell::default();
 }
 
+/// The most normals that a footprint of a level of size `size` may have; those whose boxes cut base texels reach one
+/// further on either side.
+pub fn most_normals(map: &NormalMap, size: (usize, usize)) -> usize {
+    let along = |base: usize, count: usize| if base.is_multiple_of(count) { base / count } else { base / count + 2 };
+    along(map.width, size.0) * along(map.height, size.1)
+}
+
 /// Gathers the normals of the `count` texels from `first` on of a level of size `size`, row by row, and shows them to
-/// `visit`, with their footprints; `None` where a footprint is too large for a crowd.
+/// `visit`, with their footprints; `None` where footprints of the level may be too large for a crowd.
 pub fn with_crowd<R>(
     map: &NormalMap,
     size: (usize, usize),
@@ -51,16 +58,13 @@ pub fn with_crowd<R>(
     count: usize,
     visit: impl FnOnce(&mut CrowdSamples, &[Footprint]) -> R,
 ) -> Option<R> {
+    if most_normals(map, size) > MOST_NORMALS {
+        return None;
+    }
     let footprint = |index: usize| Footprint::new((map.width, map.height), size, (index % size.0, index / size.0));
     let mut footprints = [footprint(first); LANES];
-    if footprints[0].len() > MOST_NORMALS {
-        return None;
-    }
     let footprints = &mut footprints[..count.min(LANES)];
     footprints.iter_mut().enumerate().for_each(|(lane, own)| *own = footprint(first + lane));
-    if footprints.iter().any(|footprint| footprint.len() > MOST_NORMALS) {
-        return None;
-    }
     Some(SAMPLES.with_borrow_mut(|samples| {
         samples.gather(map, footprints);
         visit(samples, footprints)

@@ -13,7 +13,7 @@ use glam::Vec4Swizzles;
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
-use super::lanes::{LANES, exp_of_negative, lanes, mul_add};
+use super::lanes::{LANES, exp_of_negative, halving_sum, lanes, mul_add};
 use super::looks::{Directions, MEAN_COSINE, MOST_DIRECTIONS};
 use super::phi::Width;
 use crate::sphere::StoredLobe;
@@ -201,19 +201,6 @@ fn times<const FMA: bool>(left: &[[f32; LANES]], right: &[Row; EACH]) -> [f32; E
         }
     }
     acc.map(halving_sum)
-}
-
-/// The sum of all lanes, halves onto halves.
-#[inline(always)]
-fn halving_sum(mut lanes: [f32; LANES]) -> f32 {
-    let mut half = LANES / 2;
-    while half > 0 {
-        for i in 0..half {
-            lanes[i] += lanes[i + half];
-        }
-        half /= 2;
-    }
-    lanes[0]
 }
 
 #[cfg(test)]
