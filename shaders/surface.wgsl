@@ -1,4 +1,5 @@
-// The lit surface, one entry point per method; radiance in linear light, before exposure, alpha 1 where it is seen.
+// The lit surface, an entry point for the truth and for each way of shading lobes; the other methods' follows in
+// shared/rival.wgsl. Radiance in linear light, before exposure, alpha 1 where it is seen.
 // `truth` adds its samples to the sum so far; the others are whole pictures. The floats are written bit for bit into
 // targets of unsigned integers, which every adapter can draw to; GL often cannot draw to 32-bit floats.
 
@@ -16,7 +17,6 @@ struct Frame {
     diffuse: f32,
     tiling: vec2f,
     base_size: vec2f,
-    mip_lods: vec2f,
     vmf_lods: vec2f,
     base_level: f32,
     lobe_level: f32,
@@ -26,6 +26,7 @@ struct Frame {
     sample_count: u32,
     diffuse_rule: u32,
     padding: u32,
+    more_padding: vec2u,
     fold: array<vec4u, 4>,
 }
 
@@ -161,19 +162,12 @@ fn truth(point: Point) -> @location(0) vec4u {
     return seen(sum);
 }
 
-@fragment
-fn mip(point: Point) -> @location(0) vec4u {
-    let lookup = lookup_of(point);
-    let light = local_light(point);
-    let lod = level_of_detail(frame.fixed_level, lookup.uv_dx, lookup.uv_dy, frame.base_size, frame.mip_lods);
-    let normal = normalize_or_zero(textureSampleLevel(means, trilinear, lookup.uv, lod - frame.base_level).xyz);
-    let half_cosine = dot(normal, light.half_in_tangent);
-    let light_cosine = dot(normal, light.light_in_tangent);
-    var color = vec3f(1.0);
+// The mean colour around a point; white where the map has no colour.
+fn mean_color(lookup: Lookup, lod: f32) -> vec3f {
     if COLORED {
-        color = textureSampleLevel(mean_colors, trilinear, lookup.uv, lod - frame.base_level).rgb;
+        return textureSampleLevel(mean_colors, trilinear, lookup.uv, lod - frame.base_level).rgb;
     }
-    return seen(frame.radiance * color * reflect(material(), frame.shininess, half_cosine, light_cosine));
+    return vec3f(1.0);
 }
 
 // The base texels around a point, each a lobe (1, n) in a slot of its own.

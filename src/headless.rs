@@ -82,9 +82,10 @@ impl<'a> Headless<'a> {
             if self.passes >= LEAST_PASSES && settled {
                 break;
             }
-            if self.inspector.session.fitting().is_running() || self.inspector.session.is_opening() {
+            let session = &mut self.inspector.session;
+            if session.fitting().is_running() || session.is_opening() || session.is_building() {
                 // The jobs need the cores more than idle passes do.
-                self.inspector.session.wait(std::time::Duration::from_millis(20));
+                session.wait(std::time::Duration::from_millis(20));
             }
         }
         let rgba = readback::read_bytes(&self.gpu.device, &self.gpu.queue, &self.target)?;

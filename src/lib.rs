@@ -10,7 +10,7 @@
 //! ```text
 //! file -> image_io -> normal_map: decode, diagnose, height -> pyramid: footprints -> ndf of any texel
 //!                                                               |
-//!                            jobs (thread, cancel)  ->  filter: truth, plain_mip, vmf (seed, em, align)
+//!                            jobs (thread, cancel)  ->  filter: truth, rivals, vmf (seed, em, align)
 //!                                                               v
 //!             session (what is open, chosen and fitted; revision) -> reference (CPU pictures, error figures)
 //!                                                               v  values only
@@ -35,7 +35,8 @@
 //! - **NDF**: the footprint's unit normals, weighted by area.
 //! - **lobe**: a von Mises-Fisher density of weight alpha, mean direction mu and concentration kappa, stored as
 //!   `(alpha, alpha A(kappa) mu)`; a **slot** is its place in the storage, a **mixture** all lobes of a texel.
-//! - **filter**, or method: a way to estimate a texel's effective BRDF; the **truth** is the sum over the footprint.
+//! - **filter**, or method: a way to estimate a texel's effective BRDF; the **truth** is the sum over the footprint, a
+//!   **rival** any method beside the truth and the lobes, its **channels** the numbers that it keeps per texel.
 //! - **tangent space**: `+x` right, `+y` up the image, `+z` out of it.
 
 pub mod app;

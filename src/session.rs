@@ -10,10 +10,12 @@ pub mod fitting;
 pub mod kept;
 pub mod opening;
 pub mod recent;
+pub mod rivals;
 
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
+use crate::filter::channels::ChannelPyramid;
 use crate::filter::vmf::{FitSettings, LobePyramid};
 use crate::filter::{Method, PlainMip};
 use crate::jobs::Wake;
@@ -83,6 +85,7 @@ pub struct Session {
     selected: Texel,
     fitting: Fitting,
     opening: Opening,
+    rivals: rivals::Rivals,
     recent: recent::RecentFiles,
     messages: Vec<Message>,
     map_revision: u64,
@@ -114,6 +117,7 @@ impl Session {
             selected: default_selection(&map),
             fitting,
             opening: Opening::default(),
+            rivals: rivals::Rivals::default(),
             recent: recent::RecentFiles::default(),
             messages: Vec::new(),
             map_revision: 1,
@@ -131,6 +135,29 @@ impl Session {
     /// Its mean normals.
     pub fn mip(&self) -> &Arc<PlainMip> {
         self.mip.get_or_init(|| Arc::new(PlainMip::new(Arc::clone(&self.map))))
+    }
+
+    /// The channels of the left and of the right method, where it is a rival that has some and they are built.
+    pub fn channels(&self) -> [Option<&Arc<ChannelPyramid>>; 2] {
+        [self.comparison.left, self.comparison.right].map(|method| self.channels_of(method))
+    }
+
+    /// The channels of one method, where it is a rival on show that has some and they are built.
+    pub fn channels_of(&self, method: Method) -> Option<&Arc<ChannelPyramid>> {
+        self.rivals.channels(method)
+    }
+
+    /// True while channels of a method on show are being built.
+    pub fn is_building(&self) -> bool {
+        self.rivals.is_building()
+    }
+
+    /// Builds the channels of the methods on show; waits.
+    pub fn wait_for_channels(&mut self) {
+        self.poll();
+        while self.is_building() {
+            self.wait(Duration::from_millis(50));
+        }
     }
 
     /// Grows whenever another map is open.
@@ -273,9 +300,12 @@ impl Session {
         self.messages.push(message);
     }
 
-    /// Waits up to `timeout` for news of the fit, then takes all there are.
+    /// Waits up to `timeout` for news of the fit or, where none runs, of channels, then takes all there are.
     pub fn wait(&mut self, timeout: Duration) {
         let mut messages = Vec::new();
+        if !self.fitting.is_running() {
+            self.rivals.wait(timeout, &mut self.messages);
+        }
         self.fitting.wait(timeout, &mut messages);
         for text in messages {
             self.report(Message::error(text));
@@ -294,6 +324,9 @@ impl Session {
         }
         changed |= self.fitting.poll(&mut messages);
         self.fitting.measure(&self.wake);
+        let mip = || Arc::clone(self.mip.get_or_init(|| Arc::new(PlainMip::new(Arc::clone(&self.map)))));
+        let methods = [self.comparison.left, self.comparison.right];
+        changed |= self.rivals.update(methods, mip, &self.wake, &mut self.messages);
         for text in messages {
             self.report(Message::error(text));
         }

@@ -10,6 +10,7 @@ use super::map_picture::MapTextures;
 use super::panels::{PanelContext, controls, map_panel, sphere_panel, status_bar, surface_panel, toasts, top_bar};
 use super::texel_report::TexelReport;
 use super::theme;
+use super::trace_report::TraceReport;
 use super::view_state::{Layout, ViewState};
 use super::viewport::PaintTarget;
 use crate::gpu::AdapterChoice;
@@ -35,6 +36,7 @@ pub struct Inspector {
     pub view: ViewState,
     surroundings: Surroundings,
     report: TexelReport,
+    trace: TraceReport,
     textures: MapTextures,
     messages: Vec<Message>,
     hover: Option<String>,
@@ -56,6 +58,7 @@ impl Inspector {
             view: ViewState::default(),
             surroundings,
             report: TexelReport::default(),
+            trace: TraceReport::default(),
             textures: MapTextures::default(),
             messages: Vec::new(),
             hover: None,
@@ -69,6 +72,7 @@ impl Inspector {
         self.session.poll();
         self.messages.extend(self.session.take_messages());
         self.report.update(&self.session, &self.wake);
+        self.trace.update(&self.session, self.view.show_trace, &self.wake);
         if self.surroundings.live && self.session.fitting().is_running() {
             // Jobs wake the window for each level; the bars in between move ten times a second.
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
@@ -79,7 +83,8 @@ impl Inspector {
     pub fn is_settled(&self) -> bool {
         let session = &self.session;
         let fitting = session.fitting();
-        let busy = fitting.is_running() || fitting.is_measuring() || session.is_opening() || self.report.is_gathering();
+        let computing = fitting.is_running() || fitting.is_measuring() || session.is_building();
+        let busy = computing || session.is_opening() || self.report.is_gathering() || self.trace.is_running();
         !busy && !self.surroundings.target.status.get().wants_more
     }
 
@@ -92,6 +97,7 @@ impl Inspector {
             view: &mut self.view,
             commands: &mut commands,
             report: &self.report,
+            trace: &self.trace,
             textures: &mut self.textures,
             surroundings: &self.surroundings,
             hover: &mut hover,

@@ -8,6 +8,7 @@
 //! | `command` | everything a panel can ask for, and the one `match` that carries it out |
 //! | `view_state` | what of the view is worth saving: panels, zoom, orbit, toggles |
 //! | `texel_report` | what the selected texel holds, gathered once per change |
+//! | `trace_report` | how the selected texel's fit went, on demand |
 //! | `map_picture` | levels as pictures |
 //! | `viewport` | the bridge to the GPU: paint callbacks of surface and sphere |
 //! | `parameter` | sliders built from a parameter's description |
@@ -21,6 +22,7 @@ pub mod panels;
 pub mod parameter;
 pub mod texel_report;
 pub mod theme;
+pub mod trace_report;
 pub mod view_state;
 pub mod viewport;
 pub mod window;

@@ -30,6 +30,8 @@ pub struct Parameter {
 const LABEL_WIDTH: f32 = 92.0;
 /// Width of the typed values.
 const VALUE_WIDTH: f32 = 52.0;
+/// Height from which on a drop-down's list scrolls: the longest list is as long as there are methods.
+const LIST_HEIGHT: f32 = 480.0;
 
 impl Parameter {
     /// Shows the row; true if the value changed.
@@ -162,6 +164,7 @@ fn explained_combo<T: Copy + PartialEq>(
 ) -> Response {
     let text = choices.iter().find(|(value, ..)| value == chosen).map_or("", |(_, text, _)| text);
     let combo = egui::ComboBox::from_id_salt(name).selected_text(text).width(ui.available_width()).truncate();
+    let combo = combo.height(LIST_HEIGHT);
     let shown = combo.show_ui(ui, |ui| {
         for &(value, text, tooltip) in choices {
             let response = ui.selectable_value(chosen, value, text);

@@ -76,6 +76,8 @@ pub struct ViewState {
     pub sphere_layers: SphereLayers,
     /// Which repeat of the map carries the selected texel's outline on the surface, counted across and down.
     pub pinned_repeat: [u32; 2],
+    /// Whether the trace of the selected texel's fit is shown.
+    pub show_trace: bool,
     /// The path that is being typed.
     #[serde(skip)]
     pub typed_path: String,

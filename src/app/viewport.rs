@@ -10,6 +10,7 @@ use egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescriptor};
 
 use crate::filter::Method;
 use crate::filter::PlainMip;
+use crate::filter::channels::ChannelPyramid;
 use crate::filter::vmf::{Fold, LobePyramid};
 use crate::gpu::frame::{FrameBudget, FrameInput, SurfaceFrame};
 use crate::gpu::passes::sphere::{SphereInput, SphereLayers, SpherePass};
@@ -73,6 +74,7 @@ pub struct SurfacePaint {
     lobes: Arc<LobePyramid>,
     fold: Fold,
     comparison: Comparison,
+    channels: [Option<Arc<ChannelPyramid>>; 2],
     size: [u32; 2],
     budget: FrameBudget,
     format: wgpu::TextureFormat,
@@ -89,6 +91,7 @@ impl SurfacePaint {
             lobes: Arc::clone(session.lobes()),
             fold: session.fitting().fold(),
             comparison: session.comparison,
+            channels: session.channels().map(Option::<&_>::cloned),
             size,
             budget: FrameBudget { truth_limit: session.truth_samples, ..target.budget },
             format: target.format,
@@ -110,6 +113,7 @@ impl SurfacePaint {
             fold: self.fold,
             left: self.comparison.left,
             right: self.comparison.right,
+            channels: self.channels.each_ref().map(Option::as_ref),
             wipe: self.comparison.wipe,
             size: self.size,
         }

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::export::write_lobes;
 use super::options::{FitArguments, MapArguments, wait_for_fit, write_text};
 use crate::filter::vmf::trace::{Trace, trace};
-use crate::filter::vmf::{Coherence, smooth};
+use crate::filter::vmf::{Coherence, EStep, smooth};
 use crate::normal_map::pyramid::{Footprint, Texel};
 use crate::session::Session;
 use crate::sphere::direction::polar_deg;
@@ -72,6 +72,7 @@ struct SettingsReport {
     iterations: usize,
     tolerance: f64,
     kappa: crate::sphere::vmf::KappaRule,
+    e_step: EStep,
     threads: usize,
 }
 
@@ -178,6 +179,7 @@ impl FitCommand {
                 iterations: settings.iterations,
                 tolerance: settings.tolerance,
                 kappa: settings.kappa,
+                e_step: settings.e_step,
                 threads: session.fitting().threads(),
             },
             seconds,

@@ -8,7 +8,7 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::filter::vmf::{Alignment, FitSettings, LobeCount, Objective};
+use crate::filter::vmf::{Alignment, EStep, FitSettings, LobeCount, Objective};
 use crate::image_io::write_bytes_atomically;
 use crate::normal_map::{Addressing, GreenChannel, MapOptions};
 use crate::session::{MapRequest, OpenedMap, Session, opening};
@@ -109,6 +109,9 @@ pub struct FitArguments {
     /// Which inverse of A gives kappa.
     #[arg(long, value_enum)]
     pub kappa: Option<Kappa>,
+    /// How em and the scanline alignments share normals between lobes.
+    #[arg(long, value_enum)]
+    pub e_step: Option<EStepArgument>,
     /// Threads to fit on; every core by default.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -121,6 +124,15 @@ pub enum Kappa {
     Exact,
     /// Banerjee's closed form, as the papers have it.
     Banerjee,
+}
+
+/// How normals are shared between lobes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EStepArgument {
+    /// By weight and density.
+    WithAlpha,
+    /// By density alone, as Algorithm 1 is printed.
+    AsPrinted,
 }
 
 impl FitArguments {
@@ -137,6 +149,11 @@ impl FitArguments {
                 Some(Kappa::Exact) => KappaRule::Exact,
                 Some(Kappa::Banerjee) => KappaRule::Banerjee,
                 None => base.kappa,
+            },
+            e_step: match self.e_step {
+                Some(EStepArgument::WithAlpha) => EStep::WithAlpha,
+                Some(EStepArgument::AsPrinted) => EStep::AsPrinted,
+                None => base.e_step,
             },
         }
     }

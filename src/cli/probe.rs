@@ -10,7 +10,8 @@ use super::fit::check_texel;
 use super::options::{FitArguments, MapArguments, read_text, wait_for_fit, write_text};
 use super::rules::{Convolution, Diffuse};
 use crate::brdf::Brdf;
-use crate::filter::vmf::{Alignment, Fold, Rules};
+use crate::filter::rival::Source;
+use crate::filter::vmf::{Alignment, Cancelled, Fold, Monitor, Rules};
 use crate::filter::{Filter, Method, MethodChoice, Truth, UnalignedVmf, VmfFilter};
 use crate::normal_map::pyramid::Texel;
 use crate::session::Session;
@@ -27,13 +28,13 @@ pub struct ProbeCommand {
     /// How it is fitted, for vmf.
     #[command(flatten)]
     pub fit: FitArguments,
-    /// The method: truth, mip, vmf:J or vmf:J:unaligned.
+    /// The method: truth, mip, mip-unnormalised, toksvig, lean, gmm:N, sh:LMAX, vmf:J or vmf:J:unaligned.
     #[arg(long, value_name = "METHOD")]
     pub method: MethodChoice,
     /// The BRDF: lambert or blinn-phong:S.
     #[arg(long, value_name = "BRDF", default_value = "blinn-phong:64")]
     pub brdf: Brdf,
-    /// How a lobe and Blinn-Phong are convolved, for vmf.
+    /// How a lobe and Blinn-Phong are convolved, for vmf; paper takes the paper's multipliers for sh.
     #[arg(long, value_enum, default_value_t)]
     pub convolution: Convolution,
     /// How a lobe reflects diffusely, for vmf.
@@ -93,7 +94,7 @@ impl ProbeCommand {
             session.begin(settings);
             wait_for_fit(&mut session)?;
         }
-        let filter = filter_of(&session, self.method.method, self.rules());
+        let filter = filter_of(&session, self.method.method, self.rules())?;
         let texel_report = |&texel: &Texel| TexelReport {
             level: texel.level,
             x: texel.x,
@@ -130,14 +131,16 @@ impl ProbeCommand {
 }
 
 /// The filter of a method over what the session holds.
-fn filter_of(session: &Session, method: Method, rules: Rules) -> Box<dyn Filter> {
+fn filter_of(session: &Session, method: Method, rules: Rules) -> Result<Arc<dyn Filter>, Cancelled> {
     let vmf = || VmfFilter { lobes: Arc::clone(session.lobes()), fold: Fold::default(), rules };
-    match method {
-        Method::Truth => Box::new(Truth { map: Arc::clone(session.map()), samples: 1 }),
-        Method::Mip => Box::new(session.mip().as_ref().clone()),
-        Method::Vmf => Box::new(vmf()),
-        Method::VmfUnaligned => Box::new(UnalignedVmf(vmf())),
-    }
+    Ok(match method {
+        Method::Truth => Arc::new(Truth { map: Arc::clone(session.map()), samples: 1 }),
+        Method::Rival(rival) => {
+            rival.build(&Source { mip: session.mip(), rules, monitor: &Monitor::new(Vec::new()) })?
+        }
+        Method::Vmf => Arc::new(vmf()),
+        Method::VmfUnaligned => Arc::new(UnalignedVmf(vmf())),
+    })
 }
 
 impl Report {

@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use super::options::{FitArguments, MapArguments, wait_for_fit};
 use super::rules::{Convolution, Diffuse};
 use crate::brdf::Brdf;
-use crate::filter::MethodChoice;
+use crate::filter::{MethodChoice, Rival};
 use crate::gpu::context::Gpu;
 use crate::gpu::{FrameInput, render_to_rgba8};
 use crate::image_io::write_png_rgba8;
@@ -47,7 +47,8 @@ pub struct SceneArguments {
     /// A session file to start from.
     #[arg(long, value_name = "FILE")]
     pub session: Option<PathBuf>,
-    /// One method over the whole picture: truth, mip, vmf:J or vmf:J:unaligned.
+    /// One method over the whole picture: truth, mip, mip-unnormalised, toksvig, lean, gmm:N, sh:LMAX, vmf:J or
+    /// vmf:J:unaligned.
     #[arg(long, value_name = "METHOD", conflicts_with_all = ["left", "right"])]
     pub method: Option<MethodChoice>,
     /// The method left of the wipe.
@@ -192,13 +193,18 @@ impl RenderCommand {
     /// One sentence that names the file and the cause.
     pub fn run(self) -> anyhow::Result<()> {
         let mut session = self.scene.session()?;
-        let gpu = Gpu::headless()?;
         let comparison = session.comparison;
         let shown = [(comparison.wipe > 0.0, comparison.left), (comparison.wipe < 1.0, comparison.right)];
+        for method in shown.into_iter().filter_map(|(is_seen, method)| is_seen.then_some(method)) {
+            let is_drawn = method.rival().is_none_or(Rival::is_drawn);
+            anyhow::ensure!(is_drawn, "{method} is too much for a picture; probe takes it.");
+        }
+        let gpu = Gpu::headless()?;
         if shown.into_iter().any(|(is_seen, method)| is_seen && method.shows_lobes()) {
             session.begin(*session.fit_settings());
             wait_for_fit(&mut session)?;
         }
+        session.wait_for_channels();
         let PictureSize(size) = self.size;
         let input = FrameInput {
             surface: &session.surface,
@@ -207,6 +213,7 @@ impl RenderCommand {
             fold: session.fitting().fold(),
             left: comparison.left,
             right: comparison.right,
+            channels: session.channels(),
             wipe: comparison.wipe,
             size,
         };

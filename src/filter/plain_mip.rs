@@ -1,16 +1,46 @@
 //! Plain MIP mapping: the footprint's mean normal, normalised. What hardware does to any texture, and wrong for
-//! normals: every footprint shades as if it were flat.
+//! normals: every footprint shades as if it were flat. Left unnormalised, the mean normal darkens what is rough, the
+//! highlight to nothing.
 
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::sampling::{Grid, trilinear};
 use super::{Filter, LocalLight, Lookup, reflect};
 use crate::brdf::{Brdf, Material};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::{Footprint, Texel};
+
+/// `mip`.
+pub static KIND: RivalKind = RivalKind {
+    name: "mip",
+    label: "plain mip",
+    parameter: None,
+    has_channels: false,
+    shader: include_str!("../../shaders/methods/mip.wgsl"),
+    build,
+};
+
+/// `mip-unnormalised`.
+pub static UNNORMALISED: RivalKind = RivalKind {
+    name: "mip-unnormalised",
+    label: "mip, unnormalised",
+    parameter: None,
+    has_channels: false,
+    shader: include_str!("../../shaders/methods/mip_unnormalised.wgsl"),
+    build: build_unnormalised,
+};
+
+fn build(source: &Source<'_>, _: Rival) -> Built {
+    Ok(Arc::<PlainMip>::clone(source.mip))
+}
+
+fn build_unnormalised(source: &Source<'_>, _: Rival) -> Built {
+    Ok(Arc::new(UnnormalisedMip { mip: Arc::clone(source.mip) }))
+}
 
 /// Mean normals of every level.
 #[derive(Clone, Debug)]
@@ -42,8 +72,21 @@ impl PlainMip {
         Self { map, levels, colors }
     }
 
+    /// The mean normal of one texel, not normalised.
+    pub fn of_texel(&self, texel: Texel) -> Vec3 {
+        let width = self.map.level_sizes()[texel.level].0;
+        self.levels[texel.level][texel.y * width + texel.x]
+    }
+
+    /// The interpolated mean normal, not normalised.
+    pub fn mean(&self, lookup: &Lookup) -> Vec3 {
+        trilinear(lookup.lod, self.levels.len(), |level| {
+            self.grid(level).bilinear(lookup.uv).into_iter().map(|(index, w)| w * self.levels[level][index]).sum()
+        })
+    }
+
     /// The interpolated mean colour; white for a map without colour.
-    fn color(&self, lookup: &Lookup) -> Vec3 {
+    pub fn color(&self, lookup: &Lookup) -> Vec3 {
         if self.colors.is_empty() {
             return Vec3::ONE;
         }
@@ -52,7 +95,8 @@ impl PlainMip {
         })
     }
 
-    fn grid(&self, level: usize) -> Grid {
+    /// The texels of one level.
+    pub fn grid(&self, level: usize) -> Grid {
         let (width, height) = self.map.level_sizes()[level];
         Grid { width, height, addressing: self.map.options.addressing }
     }
@@ -84,21 +128,40 @@ fn mean_color(map: &NormalMap, footprint: &Footprint) -> Vec3 {
     (sum / area).as_vec3()
 }
 
+impl RivalFilter for PlainMip {}
+
 impl Filter for PlainMip {
     fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
-        let width = self.map.level_sizes()[texel.level].0;
-        let mean = self.levels[texel.level][texel.y * width + texel.x].as_dvec3();
+        let mean = self.of_texel(texel).as_dvec3();
         brdf.zonal(mean.try_normalize().unwrap_or(DVec3::Z).dot(omega))
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
-        let mean = trilinear(lookup.lod, self.levels.len(), |level| {
-            self.grid(level).bilinear(lookup.uv).into_iter().map(|(index, w)| w * self.levels[level][index]).sum()
-        });
-        let normal: Vec3 = mean;
-        let normal = normal.normalize_or_zero();
-        let half_cosine = normal.dot(light.half_in_tangent);
-        let reflected = reflect(material, material.shininess, half_cosine, normal.dot(light.light_in_tangent));
-        self.color(lookup) * reflected
+        let normal = self.mean(lookup).normalize_or_zero();
+        self.color(lookup) * reflect_from(normal, light, material)
     }
+}
+
+/// The mean normals, used as they are.
+#[derive(Clone, Debug)]
+pub struct UnnormalisedMip {
+    /// The mean normals.
+    pub mip: Arc<PlainMip>,
+}
+
+impl RivalFilter for UnnormalisedMip {}
+
+impl Filter for UnnormalisedMip {
+    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
+        brdf.zonal(self.mip.of_texel(texel).as_dvec3().dot(omega))
+    }
+
+    fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
+        self.mip.color(lookup) * reflect_from(self.mip.mean(lookup), light, material)
+    }
+}
+
+fn reflect_from(normal: Vec3, light: &LocalLight, material: &Material) -> Vec3 {
+    let (half, cosine) = (normal.dot(light.half_in_tangent), normal.dot(light.light_in_tangent));
+    reflect(material, material.shininess, half, cosine)
 }

@@ -3,16 +3,19 @@
 //! The window and the command line record the same frame. A picture is drawn again only when something it depends on
 //! has changed; the truth goes on adding samples until it has enough.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::passes::compare::{CompareData, ComparePass};
-use super::passes::surface::{FrameData, SurfacePass, Target, index};
+use super::passes::surface::{FrameData, Reads, SurfacePass, Target};
 use super::readback::{self, ReadbackError};
+use super::rival_textures::RivalTextures;
 use super::surface_pipelines::Variant;
 use super::textures::MapTextures;
 use crate::brdf::{ConvolutionRule, DiffuseRule};
+use crate::filter::channels::ChannelPyramid;
 use crate::filter::vmf::{Fold, LobePyramid};
-use crate::filter::{Method, PlainMip};
+use crate::filter::{Method, PlainMip, Rival};
 use crate::lit_surface::{LevelChoice, LitSurface};
 use crate::normal_map::Addressing;
 
@@ -31,6 +34,8 @@ pub struct FrameInput<'a> {
     pub left: Method,
     /// The method right of the wipe.
     pub right: Method,
+    /// The channels of the left and of the right method, where it is a rival that has some and they are built.
+    pub channels: [Option<&'a Arc<ChannelPyramid>>; 2],
     /// Where the left side ends, 0 (right side only) to 1 (left side only).
     pub wipe: f32,
     /// Pixels across and down.
@@ -63,22 +68,31 @@ pub struct SurfaceFrame {
     surface: SurfacePass,
     compare: ComparePass,
     targets: Option<Targets>,
-    drawn: [Option<Key>; 4],
+    rivals: Vec<RivalPicture>,
     truth_samples: u32,
     truth_shown: bool,
     exposure: f32,
 }
 
-/// The pictures: two for the truth, which takes turns reading one and writing the other, then one for each other method.
+/// The pictures: two for the truth, which takes turns reading one and writing the other, then one for each way of
+/// shading lobes.
 #[derive(Debug)]
 struct Targets {
     size: [u32; 2],
     truth: [Target; 2],
     /// Which of the two holds the sum so far.
     latest: usize,
-    mip: Target,
     vmf: Target,
     vmf_unaligned: Target,
+    drawn: HashMap<Method, Key>,
+}
+
+/// A rival on one side of the wipe; kept as long as it is there.
+#[derive(Debug)]
+struct RivalPicture {
+    rival: Rival,
+    textures: RivalTextures,
+    target: Target,
 }
 
 /// What one method's picture depends on.
@@ -95,18 +109,23 @@ impl Targets {
     fn new(pass: &SurfacePass, device: &wgpu::Device, size: [u32; 2]) -> Self {
         let target = |label| pass.target(device, label, size);
         let truth = [target("truth, even"), target("truth, odd")];
-        let [mip, vmf, vmf_unaligned] = ["mip", "vmf", "vmf, unaligned"].map(target);
-        Self { size, truth, latest: 0, mip, vmf, vmf_unaligned }
+        let [vmf, vmf_unaligned] = ["vmf", "vmf, unaligned"].map(target);
+        Self { size, truth, latest: 0, vmf, vmf_unaligned, drawn: HashMap::new() }
     }
 
-    fn of(&self, method: Method) -> &Target {
+    /// The picture of a method, which is among `rivals` if it is one.
+    fn of<'a>(&'a self, method: Method, rivals: &'a [RivalPicture]) -> Option<&'a Target> {
         match method {
-            Method::Truth => &self.truth[self.latest],
-            Method::Mip => &self.mip,
-            Method::Vmf => &self.vmf,
-            Method::VmfUnaligned => &self.vmf_unaligned,
+            Method::Truth => Some(&self.truth[self.latest]),
+            Method::Vmf => Some(&self.vmf),
+            Method::VmfUnaligned => Some(&self.vmf_unaligned),
+            Method::Rival(rival) => find(rivals, rival).map(|picture| &picture.target),
         }
     }
+}
+
+fn find(rivals: &[RivalPicture], rival: Rival) -> Option<&RivalPicture> {
+    rivals.iter().find(|picture| picture.rival == rival)
 }
 
 impl SurfaceFrame {
@@ -120,7 +139,7 @@ impl SurfaceFrame {
             compare: ComparePass::new(device, target_format),
             textures,
             targets: None,
-            drawn: [const { None }; 4],
+            rivals: Vec::new(),
             truth_samples: 0,
             truth_shown: false,
             exposure: 1.0,
@@ -139,22 +158,20 @@ impl SurfaceFrame {
         self.textures.set_lobes(input.lobes);
         self.textures.pump(queue, self.budget.upload_bytes);
         let size = input.size.map(|pixels| pixels.clamp(1, device.limits().max_texture_dimension_2d));
-        let mut targets = self
-            .targets
-            .take()
-            .filter(|targets| targets.size == size)
-            .unwrap_or_else(|| Targets::new(&self.surface, device, size));
+        let kept = self.targets.take().filter(|targets| targets.size == size);
+        if kept.is_none() {
+            self.rivals.clear();
+        }
+        let mut targets = kept.unwrap_or_else(|| Targets::new(&self.surface, device, size));
+        self.set_rivals(device, queue, input, &mut targets);
         let (left, right) = shown(input);
         self.exposure = input.surface.exposure();
         self.truth_shown = [left, right].contains(&Method::Truth);
-        if self.truth_shown && self.drawn[index(Method::Truth)].as_ref() != Some(&self.key(Method::Truth, input, size))
-        {
+        if self.truth_shown && targets.drawn.get(&Method::Truth) != Some(&self.key(Method::Truth, input, size)) {
             self.truth_samples = 0;
         }
-        let due: Vec<Method> = Method::ALL
-            .into_iter()
-            .filter(|&method| (method == left || method == right) && self.is_due(method, input, size))
-            .collect();
+        let both = if left == right { vec![left] } else { vec![left, right] };
+        let due: Vec<Method> = both.into_iter().filter(|&method| self.is_due(method, input, &targets)).collect();
         if !due.is_empty() {
             let data = self.frame_data(input, size);
             self.surface.prepare(device, queue, input.surface, &data);
@@ -162,11 +179,37 @@ impl SurfaceFrame {
             self.surface.prepare_methods(device, &due, variant);
         }
         for method in due {
-            self.draw_method(encoder, method, input, &mut targets);
+            self.draw_method(encoder, queue, method, input, &mut targets);
         }
-        let views = [targets.of(left).view(), targets.of(right).view()];
-        self.compare.prepare(device, queue, views, &self.compare_data(input, size));
+        if let (Some(left), Some(right)) = (targets.of(left, &self.rivals), targets.of(right, &self.rivals)) {
+            self.compare.prepare(device, queue, [left.view(), right.view()], &self.compare_data(input, size));
+        }
         self.targets = Some(targets);
+    }
+
+    /// Keeps the rivals on either side, their channels brought up to date, and forgets the others.
+    fn set_rivals(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        input: &FrameInput<'_>,
+        targets: &mut Targets,
+    ) {
+        let sides = [input.left.rival(), input.right.rival()];
+        self.rivals.retain(|picture| sides.contains(&Some(picture.rival)));
+        targets.drawn.retain(|method, _| method.rival().is_none_or(|rival| sides.contains(&Some(rival))));
+        for (rival, channels) in sides.into_iter().zip(input.channels) {
+            let Some(rival) = rival else { continue };
+            if find(&self.rivals, rival).is_none() {
+                let textures = self.surface.rival_textures(device);
+                let target = self.surface.target(device, rival.kind.name, targets.size);
+                self.rivals.push(RivalPicture { rival, textures, target });
+            }
+            if let Some(picture) = self.rivals.iter_mut().find(|picture| picture.rival == rival) {
+                picture.textures.set_channels(channels);
+                picture.textures.pump(queue, self.budget.upload_bytes);
+            }
+        }
     }
 
     /// Draws the comparison over the pass's viewport.
@@ -181,7 +224,9 @@ impl SurfaceFrame {
 
     /// True while another frame would look better: uploads are under way, or the truth is shown and unfinished.
     pub fn wants_more(&self) -> bool {
-        self.textures.pending_bytes() > 0 || self.truth_shown && self.truth_samples < self.budget.truth_limit
+        let uploads = self.rivals.iter().map(|picture| picture.textures.pending_bytes());
+        let pending = uploads.sum::<u64>() + self.textures.pending_bytes();
+        pending > 0 || self.truth_shown && self.truth_samples < self.budget.truth_limit
     }
 
     /// Finest levels of the map that are not shown because the adapter cannot hold them.
@@ -202,7 +247,8 @@ impl SurfaceFrame {
     pub fn lod_range(&self, method: Method) -> Option<[f32; 2]> {
         match method {
             Method::Truth => self.textures.base_is_complete().then_some([0.0, 0.0]),
-            Method::Mip => self.textures.mip_lods(),
+            Method::Rival(rival) if !rival.is_drawn() => None,
+            Method::Rival(rival) => find(&self.rivals, rival)?.textures.lods(&self.textures, rival.kind.has_channels),
             Method::Vmf | Method::VmfUnaligned => self.textures.vmf_lods(),
         }
     }
@@ -214,11 +260,10 @@ impl SurfaceFrame {
         queue: &wgpu::Queue,
         method: Method,
     ) -> Result<Vec<[f32; 4]>, ReadbackError> {
-        let Some(targets) = self.targets.as_ref().filter(|_| self.drawn[index(method)].is_some()) else {
-            return Ok(Vec::new());
-        };
+        let drawn = self.targets.as_ref().filter(|targets| targets.drawn.contains_key(&method));
+        let Some(target) = drawn.and_then(|targets| targets.of(method, &self.rivals)) else { return Ok(Vec::new()) };
         let scale = self.scale(method);
-        let texels = readback::read_rgba32f(device, queue, &targets.of(method).color)?;
+        let texels = readback::read_rgba32f(device, queue, &target.color)?;
         Ok(texels.into_iter().map(|[r, g, b, a]| [scale * r, scale * g, scale * b, a]).collect())
     }
 
@@ -228,30 +273,32 @@ impl SurfaceFrame {
         let mut fold = input.fold;
         if !method.shows_lobes() {
             fold = Fold::default();
-            surface.material.convolution = ConvolutionRule::default();
             surface.material.diffuse_rule = DiffuseRule::default();
         }
         if method == Method::Truth {
+            surface.material.convolution = ConvolutionRule::default();
             surface.level = LevelChoice::default();
         }
         let revisions = match method {
             Method::Truth => [self.textures.map_revision, 0],
-            Method::Mip => [self.textures.means_revision, 0],
+            Method::Rival(rival) => {
+                let own = find(&self.rivals, rival).map_or(0, |picture| picture.textures.revision);
+                [self.textures.means_revision, own]
+            }
             Method::Vmf | Method::VmfUnaligned => [self.textures.means_revision, self.textures.lobes_revision],
         };
         Key { surface, size, revisions, fold, lods: self.lod_range(method) }
     }
 
-    fn is_due(&self, method: Method, input: &FrameInput<'_>, size: [u32; 2]) -> bool {
+    fn is_due(&self, method: Method, input: &FrameInput<'_>, targets: &Targets) -> bool {
         let unfinished = method == Method::Truth && self.truth_samples < self.budget.truth_limit;
-        unfinished || self.drawn[index(method)].as_ref() != Some(&self.key(method, input, size))
+        unfinished || targets.drawn.get(&method) != Some(&self.key(method, input, targets.size))
     }
 
     fn frame_data(&self, input: &FrameInput<'_>, size: [u32; 2]) -> FrameData {
         let map = &input.mip.map;
         let mut data = FrameData {
             base_size: [map.width as f32, map.height as f32],
-            mip_lods: self.textures.mip_lods().unwrap_or_default(),
             vmf_lods: self.textures.vmf_lods().unwrap_or_default(),
             base_level: self.textures.left_out as f32,
             lobe_level: self.textures.lobe_level() as f32,
@@ -268,27 +315,35 @@ impl SurfaceFrame {
     fn draw_method(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
+        queue: &wgpu::Queue,
         method: Method,
         input: &FrameInput<'_>,
         targets: &mut Targets,
     ) {
         let key = self.key(method, input, targets.size);
         let what = (input.surface.shape.kind, method);
-        if self.lod_range(method).is_none() {
-            self.surface.clear(encoder, targets.of(method));
-        } else if method == Method::Truth {
-            if self.truth_samples == 0 {
-                self.surface.clear(encoder, targets.of(method));
+        let Some(target) = targets.of(method, &self.rivals) else { return };
+        match (self.lod_range(method), method) {
+            (None, _) => self.surface.clear(encoder, target),
+            (Some(_), Method::Truth) => {
+                if self.truth_samples == 0 {
+                    self.surface.clear(encoder, target);
+                }
+                let next = 1 - targets.latest;
+                self.surface.draw(encoder, what, &self.textures, &targets.truth[next], Reads::Sum(target));
+                targets.latest = next;
+                self.truth_samples += self.samples_due();
             }
-            let next = 1 - targets.latest;
-            let (sum, target) = (&targets.truth[targets.latest], &targets.truth[next]);
-            self.surface.draw(encoder, what, &self.textures, target, Some(sum));
-            targets.latest = next;
-            self.truth_samples += self.samples_due();
-        } else {
-            self.surface.draw(encoder, what, &self.textures, targets.of(method), None);
+            (Some(lods), Method::Rival(rival)) => {
+                let Some(picture) = find(&self.rivals, rival) else { return };
+                picture.textures.prepare(queue, lods, rival.parameter);
+                self.surface.draw(encoder, what, &self.textures, target, Reads::Channels(&picture.textures));
+            }
+            (Some(_), Method::Vmf | Method::VmfUnaligned) => {
+                self.surface.draw(encoder, what, &self.textures, target, Reads::Nothing);
+            }
         }
-        self.drawn[index(method)] = Some(key);
+        targets.drawn.insert(method, key);
     }
 
     /// Samples of the truth that the next frame adds.
@@ -300,7 +355,7 @@ impl SurfaceFrame {
     fn scale(&self, method: Method) -> f32 {
         match method {
             Method::Truth => self.exposure / self.truth_samples.max(1) as f32,
-            Method::Mip | Method::Vmf | Method::VmfUnaligned => self.exposure,
+            Method::Rival(_) | Method::Vmf | Method::VmfUnaligned => self.exposure,
         }
     }
 

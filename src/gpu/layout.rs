@@ -17,6 +17,9 @@ pub const SAMPLING: &str = include_str!("../../shaders/shared/sampling.wgsl");
 /// The truth's jitter, the twin of `filter/truth.rs`.
 pub const TRUTH: &str = include_str!("../../shaders/shared/truth.wgsl");
 
+/// The entry point of every rival, the twin of `filter/rival.rs` and `filter/channels.rs`.
+pub const RIVAL: &str = include_str!("../../shaders/shared/rival.wgsl");
+
 /// A shader module of `parts`, one after the other.
 pub fn shader(device: &wgpu::Device, label: &str, parts: &[&str]) -> wgpu::ShaderModule {
     device.create_shader_module(wgpu::ShaderModuleDescriptor {

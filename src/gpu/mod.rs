@@ -10,6 +10,7 @@ pub mod map_group;
 pub mod passes;
 pub mod picture;
 pub mod readback;
+pub mod rival_textures;
 pub mod surface_pipelines;
 pub mod textures;
 pub mod upload;

@@ -5,9 +5,9 @@
 
 use std::collections::HashMap;
 
-use super::passes::surface::{COLOR_FORMAT, DEPTH_FORMAT, SHADER};
+use super::passes::surface::{COLOR_FORMAT, DEPTH_FORMAT, SHADER, rival_shader};
 use crate::brdf::{ConvolutionRule, DiffuseRule, Material};
-use crate::filter::Method;
+use crate::filter::{Method, Rival};
 use crate::gpu::layout;
 use crate::scene::Vertex;
 
@@ -37,17 +37,28 @@ impl Variant {
 #[derive(Debug)]
 pub struct SurfacePipelines {
     shader: wgpu::ShaderModule,
+    /// By name: each is compiled when it is first shown.
+    rival_shaders: HashMap<&'static str, wgpu::ShaderModule>,
     layout: wgpu::PipelineLayout,
     truth_layout: wgpu::PipelineLayout,
+    rival_layout: wgpu::PipelineLayout,
     made: HashMap<(Method, Variant), wgpu::RenderPipeline>,
 }
 
+/// The method whose pipeline draws `method`: a rival's number is no part of it.
+fn without_number(method: Method) -> Method {
+    method.rival().map_or(method, |rival| Method::Rival(Rival::plain(rival.kind)))
+}
+
 impl SurfacePipelines {
-    /// Compiles every method for maps without colour and rules of closed form; `groups` are frame, map and the truth's
-    /// sum so far.
-    pub fn new(device: &wgpu::Device, groups: [&wgpu::BindGroupLayout; 3]) -> Self {
-        let groups = groups.map(Some);
-        let layout = |groups| {
+    /// Compiles the truth and the lobes for maps without colour and rules of closed form; `groups` are frame and map,
+    /// then the truth's sum so far and a rival's channels, which take the same place.
+    pub fn new(
+        device: &wgpu::Device,
+        [frame, map]: [&wgpu::BindGroupLayout; 2],
+        [sum, rival]: [&wgpu::BindGroupLayout; 2],
+    ) -> Self {
+        let layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some("surface"),
                 bind_group_layouts: groups,
@@ -56,20 +67,23 @@ impl SurfacePipelines {
         };
         let mut pipelines = Self {
             shader: layout::shader(device, "surface", &SHADER),
-            layout: layout(&groups[..2]),
-            truth_layout: layout(&groups),
+            rival_shaders: HashMap::new(),
+            layout: layout(&[Some(frame), Some(map)]),
+            truth_layout: layout(&[Some(frame), Some(map), Some(sum)]),
+            rival_layout: layout(&[Some(frame), Some(map), Some(rival)]),
             made: HashMap::new(),
         };
-        pipelines.make(device, &Method::ALL, Variant::default());
+        pipelines.make(device, &[Method::Truth, Method::Vmf, Method::VmfUnaligned], Variant::default());
         pipelines
     }
 
     /// Makes what is missing to draw `methods`.
     pub fn make(&mut self, device: &wgpu::Device, methods: &[Method], variant: Variant) {
         for &method in methods {
-            let variant = variant.of(method);
+            let (method, variant) = (without_number(method), variant.of(method));
             if !self.made.contains_key(&(method, variant)) {
-                let pipeline = self.pipeline(device, method, variant);
+                let shader = self.shader_of(device, method);
+                let pipeline = self.pipeline(device, &shader, method, variant);
                 self.made.insert((method, variant), pipeline);
             }
         }
@@ -77,18 +91,36 @@ impl SurfacePipelines {
 
     /// The pipeline of a method, if it was made.
     pub fn get(&self, method: Method, variant: Variant) -> Option<&wgpu::RenderPipeline> {
-        self.made.get(&(method, variant.of(method)))
+        self.made.get(&(without_number(method), variant.of(method)))
     }
 
-    fn pipeline(&self, device: &wgpu::Device, method: Method, variant: Variant) -> wgpu::RenderPipeline {
+    fn shader_of(&mut self, device: &wgpu::Device, method: Method) -> wgpu::ShaderModule {
+        let Some(Rival { kind, .. }) = method.rival() else { return self.shader.clone() };
+        let compile = || layout::shader(device, kind.name, &rival_shader(kind));
+        self.rival_shaders.entry(kind.name).or_insert_with(compile).clone()
+    }
+
+    fn pipeline(
+        &self,
+        device: &wgpu::Device,
+        shader: &wgpu::ShaderModule,
+        method: Method,
+        variant: Variant,
+    ) -> wgpu::RenderPipeline {
         let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2];
         let number = |flag: bool| f64::from(u8::from(flag));
         let overrides = [("COLORED", number(variant.colored)), ("EXACT_RULES", number(variant.exact))];
+        let (layout, entry_point) = match method {
+            Method::Truth => (&self.truth_layout, "truth"),
+            Method::Vmf => (&self.layout, "vmf"),
+            Method::VmfUnaligned => (&self.layout, "vmf_unaligned"),
+            Method::Rival(_) => (&self.rival_layout, "rival"),
+        };
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(method.name()),
-            layout: Some(if method == Method::Truth { &self.truth_layout } else { &self.layout }),
+            label: Some(entry_point),
+            layout: Some(layout),
             vertex: wgpu::VertexState {
-                module: &self.shader,
+                module: shader,
                 entry_point: Some("vertex"),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: &[Some(wgpu::VertexBufferLayout {
@@ -108,23 +140,13 @@ impl SurfacePipelines {
             }),
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
-                module: &self.shader,
-                entry_point: Some(entry_point(method)),
+                module: shader,
+                entry_point: Some(entry_point),
                 compilation_options: wgpu::PipelineCompilationOptions { constants: &overrides, ..Default::default() },
                 targets: &[Some(COLOR_FORMAT.into())],
             }),
             multiview_mask: None,
             cache: None,
         })
-    }
-}
-
-/// The shader's entry point.
-fn entry_point(method: Method) -> &'static str {
-    match method {
-        Method::Truth => "truth",
-        Method::Mip => "mip",
-        Method::Vmf => "vmf",
-        Method::VmfUnaligned => "vmf_unaligned",
     }
 }

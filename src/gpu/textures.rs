@@ -251,6 +251,8 @@ impl MapTextures {
                     self.means_revision += 1;
                 }
                 Source::Slots(_) => self.lobes_revision += 1,
+                // Rivals have queues of their own.
+                Source::Channels { .. } => {}
                 Source::Lobes { level, .. } | Source::LobeColors { level, .. } => {
                     self.lobes_complete[level] = true;
                     self.lobes_revision += 1;
@@ -283,7 +285,7 @@ impl MapTextures {
 
 /// The run of complete levels that ends at the coarsest complete one, not finer than `finest`, as
 /// `LobePyramid::shown_levels` has it.
-fn complete_run(complete: &[bool], finest: usize) -> Option<[f32; 2]> {
+pub fn complete_run(complete: &[bool], finest: usize) -> Option<[f32; 2]> {
     let last = complete.iter().rposition(|&level| level)?;
     let first = (finest..=last).rev().take_while(|&level| complete[level]).last()?;
     Some([first as f32, last as f32])

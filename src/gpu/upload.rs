@@ -6,6 +6,7 @@ use std::sync::Arc;
 use half::f16;
 
 use crate::filter::PlainMip;
+use crate::filter::channels::ChannelPyramid;
 use crate::filter::vmf::{BaseSlots, ColorLevel, MixtureLevel};
 
 /// Where the texels come from, and what is complete once they are there.
@@ -24,6 +25,13 @@ pub enum Source {
     Lobes {
         /// The lobes.
         mixtures: Arc<MixtureLevel>,
+        /// The map's level.
+        level: usize,
+    },
+    /// A rival's channels of one level of the map, four to a layer.
+    Channels {
+        /// The channels.
+        channels: Arc<ChannelPyramid>,
         /// The map's level.
         level: usize,
     },
@@ -56,6 +64,7 @@ impl Source {
             (Self::Means { level, .. }, Self::Means { level: other, .. })
             | (Self::MeanColors { level, .. }, Self::MeanColors { level: other, .. })
             | (Self::LobeColors { level, .. }, Self::LobeColors { level: other, .. })
+            | (Self::Channels { level, .. }, Self::Channels { level: other, .. })
             | (Self::Lobes { level, .. }, Self::Lobes { level: other, .. }) => level == other,
             (Self::Slots(_), Self::Slots(_)) => true,
             _ => false,
@@ -74,7 +83,8 @@ impl Source {
                 let [r, g, b] = colors.as_ref().map_or([mixtures.stored[at][0]; 3], |colors| colors.stored[at]);
                 [r, g, b, 0.0]
             }
-            Self::Lobes { .. } | Self::LobeColors { .. } => [0.0; 4],
+            Self::Channels { channels, level } if layer < channels.layers => channels.texel(*level, index)[layer],
+            Self::Lobes { .. } | Self::LobeColors { .. } | Self::Channels { .. } => [0.0; 4],
         }
     }
 }

@@ -8,7 +8,9 @@ use rayon::ThreadPool;
 use super::kept::{self, KeptFits};
 use crate::export::lobes_exr::FittedLobes;
 use crate::filter::vmf::fit::{self, FitEvent, FitSettings, LevelStats, OwnLevels, Stage, Start};
-use crate::filter::vmf::{Alignment, Cancelled, Coherence, Fold, LobePyramid, MixtureLevel, Monitor, coherence, fold};
+use crate::filter::vmf::{
+    Alignment, Cancelled, Coherence, Fold, LobePyramid, MixtureLevel, Monitor, Objective, Selection, coherence, fold,
+};
 use crate::jobs::{self, Ended, Job, JobEvent, Outbox, Wake};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
@@ -73,6 +75,9 @@ pub struct Fitting {
     previews: bool,
     /// Levels of the unaligned fit of the settings in force, whatever the alignment.
     own: OwnLevels,
+    /// Those of one lobe fewer, which the fit grows from.
+    fewer: OwnLevels,
+    grown: bool,
     kept: KeptFits,
     /// The texel to be fitted first, and its own lobes once they are there.
     wanted: Option<Texel>,
@@ -98,6 +103,8 @@ impl Fitting {
             running: None,
             previews: true,
             own: OwnLevels::default(),
+            fewer: OwnLevels::default(),
+            grown: false,
             kept: KeptFits::default(),
             wanted: None,
             first: None,
@@ -168,12 +175,12 @@ impl Fitting {
     }
 
     fn own_bytes(&self) -> usize {
-        self.own.iter().map(|(level, _)| kept::level_bytes(level)).sum()
+        self.own.iter().chain(&self.fewer).map(|(level, _)| kept::level_bytes(level)).sum()
     }
 
     /// Forgets what is kept of the settings in force, so that the next start fits everything anew.
     pub fn forget(&mut self) {
-        self.own = OwnLevels::default();
+        (self.own, self.fewer, self.grown) = (OwnLevels::default(), OwnLevels::default(), false);
         self.kept.forget(&self.settings);
     }
 
@@ -188,12 +195,25 @@ impl Fitting {
         true
     }
 
-    /// Drops the unaligned levels where they are of other settings than these.
+    /// Drops the unaligned levels where they are of other settings than these, or keeps them to grow from.
     fn follow(&mut self, settings: &FitSettings) {
         let unaligned = |settings: &FitSettings| FitSettings { align: Alignment::None, ..*settings };
-        if unaligned(settings) != unaligned(&self.settings) {
-            self.own = OwnLevels::default();
+        if unaligned(settings) == unaligned(&self.settings) {
+            return;
         }
+        let own = std::mem::take(&mut self.own);
+        let one_fewer = FitSettings { lobes: self.settings.lobes + 1, ..unaligned(&self.settings) };
+        let pays = !matches!(settings.objective, Objective::Appearance { .. });
+        let grows = pays && settings.selection == Selection::Fixed && unaligned(settings) == one_fewer;
+        let whole = own.len() + 1 == self.levels.len();
+        self.grown = grows && whole;
+        self.fewer = if self.grown { own } else { OwnLevels::default() };
+    }
+
+    /// True where the lobes grow, or grew, from a fit with one lobe fewer: a fit from the start may come to slightly
+    /// other ones.
+    pub fn is_grown(&self) -> bool {
+        self.grown
     }
 
     /// Takes other settings: the running fit ends, and the lobes at hand become a preview.
@@ -245,7 +265,8 @@ impl Fitting {
         self.pool = Some(Arc::clone(&pool));
         let monitor = Arc::new(Monitor::new(fit::expected_visits(&self.map, &self.settings)));
         let (map, settings, watched) = (Arc::clone(&self.map), self.settings, Arc::clone(&monitor));
-        let start = Start { own: self.own.clone(), first: self.wanted.filter(|_| self.previews) };
+        let start =
+            Start { own: self.own.clone(), fewer: self.fewer.clone(), first: self.wanted.filter(|_| self.previews) };
         let job = Job::spawn("fit", Arc::clone(wake), move |outbox| {
             let result: Result<LobePyramid, Cancelled> =
                 pool.install(|| fit::fit_from(&map, &settings, &start, &watched, &mut |event| outbox.send(event)));
@@ -393,6 +414,7 @@ impl Fitting {
                 self.levels[0].state = LevelState::Done;
                 self.fold = Fold::default();
                 self.running = None;
+                self.fewer = OwnLevels::default();
                 if let Some(fit) = self.finished().filter(|_| self.previews) {
                     self.kept.keep(fit, kept::BUDGET - self.own_bytes());
                 }

@@ -60,9 +60,38 @@ pub fn hemisphere(count: usize) -> impl Iterator<Item = DVec3> {
     })
 }
 
+/// Directions spread evenly over the hemisphere, on rings that share the angle from the pole evenly; the set stays the same
+/// when mirrored or turned by a right angle, so that what is worked out from it turns with the map. Nine rings have 204.
+pub fn symmetric_hemisphere(rings: usize) -> impl Iterator<Item = Vec3> {
+    let spacing = std::f64::consts::FRAC_PI_2 / rings as f64;
+    (0..rings).flat_map(move |ring| {
+        let (sine, z) = ((ring as f64 + 0.5) * spacing).sin_cos();
+        let quarter = (std::f64::consts::FRAC_PI_2 * sine / spacing).round().max(1.0) as usize;
+        let phase = if ring % 2 == 0 { 0.5 } else { 0.0 };
+        (0..quarter).flat_map(move |k| {
+            let (sin, cos) = (std::f64::consts::FRAC_PI_2 * (k as f64 + phase) / quarter as f64).sin_cos();
+            let (x, y, z) = ((sine * cos) as f32, (sine * sin) as f32, z as f32);
+            [Vec3::new(x, y, z), Vec3::new(-y, x, z), Vec3::new(-x, -y, z), Vec3::new(y, -x, z)]
+        })
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_symmetric_directions_are_a_mirror_image_of_themselves_and_spread_evenly() {
+        let all: Vec<Vec3> = symmetric_hemisphere(9).collect();
+        assert_eq!(all.len(), 204);
+        let nearest = |v: Vec3| all.iter().map(|w| v.distance(*w)).filter(|&d| d > 0.0).fold(f32::MAX, f32::min);
+        for &v in &all {
+            assert!((v.length() - 1.0).abs() < 1e-6 && nearest(v) > 0.11, "{v}");
+            for image in [Vec3::new(-v.x, v.y, v.z), Vec3::new(v.x, -v.y, v.z), Vec3::new(-v.y, v.x, v.z)] {
+                assert!(all.iter().any(|w| image.distance(*w) < 1e-6), "{v}");
+            }
+        }
+    }
 
     #[test]
     fn a_direction_is_normalised_on_reading() {

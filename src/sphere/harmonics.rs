@@ -1,7 +1,12 @@
-//! Zonal functions on the sphere as Legendre series: `f(u) = sum_l (2l+1)/(4 pi) f_l P_l(u)`, `f_0 = 1` where f
-//! integrates to 1. The convolution of two zonal functions multiplies their coefficients (Funk-Hecke).
+//! Functions on the sphere as series of harmonics.
+//!
+//! Zonal ones are Legendre series, `f(u) = sum_l (2l+1)/(4 pi) f_l P_l(u)`, `f_0 = 1` where f integrates to 1; the
+//! convolution of two of them multiplies their coefficients (Funk-Hecke). Others take the real orthonormal basis
+//! `Y_lm`, without the Condon-Shortley phase: `Y_1 = sqrt(3/(4 pi)) (y, z, x)` for m = -1, 0, 1.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
+
+use glam::DVec3;
 
 /// Least steps of the continued fraction beyond the last coefficient asked for.
 const RUN_UP: usize = 40;
@@ -45,6 +50,56 @@ pub fn cosine_power_zonal(exponent: f64, bands: usize) -> Vec<f64> {
     }
     coefficients.truncate(bands);
     coefficients
+}
+
+/// The coefficients of the same lobe as Han et al. 2007 (section 5) have them, `exp(-l^2 / (2s))`, for `l < bands`:
+/// an approximation that holds while `l < s + 1`.
+pub fn cosine_power_zonal_of_paper(exponent: f64, bands: usize) -> Vec<f64> {
+    (0..bands).map(|l| (-((l * l) as f64) / (2.0 * exponent)).exp()).collect()
+}
+
+/// How many `Y_lm` there are for `l <= last_band`.
+pub const fn harmonics_to(last_band: usize) -> usize {
+    (last_band + 1) * (last_band + 1)
+}
+
+/// Shows every `Y_lm` of a unit vector for `l <= last_band` as `(l, value)`: m by m from 0 up, and within it l by l,
+/// `Y_lm` before `Y_l,-m`, so that nothing needs to be kept but the last two Legendre functions of one m.
+///
+/// With `P = sqrt((2l+1)/(4 pi) (l-m)!/(l+m)!) P_l^m(z) / sin^m` the recursions are `P_mm = P_m-1,m-1 sqrt((2m+1)/(2m))`
+/// and `P_lm = a (z P_l-1,m - b P_l-2,m)`, `a^2 = (4 l^2 - 1)/(l^2 - m^2)`, `b^2 = ((l-1)^2 - m^2)/(4 (l-1)^2 - 1)`:
+/// upward in l, which is stable.
+pub fn each_harmonic(direction: DVec3, last_band: usize, mut visit: impl FnMut(usize, f64)) {
+    let DVec3 { x, y, z } = direction;
+    let mut diagonal = (0.25 / PI).sqrt();
+    // sin^m cos(m phi) and sin^m sin(m phi).
+    let (mut cos, mut sin) = (1.0, 0.0);
+    for m in 0..=last_band {
+        if m > 0 {
+            diagonal *= ((2 * m + 1) as f64 / (2 * m) as f64).sqrt();
+            (cos, sin) = (cos * x - sin * y, sin * x + cos * y);
+        }
+        let (mut previous, mut current) = (0.0, diagonal);
+        for l in m..=last_band {
+            if l > m {
+                (previous, current) = (current, legendre_step(l, m, z, current, previous));
+            }
+            if m == 0 {
+                visit(l, current);
+            } else {
+                visit(l, SQRT_2 * current * cos);
+                visit(l, SQRT_2 * current * sin);
+            }
+        }
+    }
+}
+
+/// The normalised Legendre function of `l > m` from those of `l - 1` and `l - 2`.
+fn legendre_step(l: usize, m: usize, z: f64, last: f64, second_last: f64) -> f64 {
+    let (l2, m2, k2) = ((l * l) as f64, (m * m) as f64, ((l - 1) * (l - 1)) as f64);
+    let a = ((4.0 * l2 - 1.0) / (l2 - m2)).sqrt();
+    let b = if l > m + 1 { ((k2 - m2) / (4.0 * k2 - 1.0)).sqrt() } else { 0.0 };
+    a * (z * last - b * second_last)
 }
 
 /// `sum_l (2l+1)/(4 pi) f_l P_l(u)`, by the upward recursion of P_l, which is stable for `|u| <= 1`.
@@ -96,6 +151,35 @@ mod tests {
         let rho = cosine_power_zonal(1.0, 5);
         for (found, exact) in rho.iter().zip([1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0]) {
             assert!((found - exact).abs() < 1e-15, "{rho:?}");
+        }
+    }
+
+    #[test]
+    fn the_first_harmonics_are_the_coordinates() {
+        let n = DVec3::new(0.36, -0.48, 0.8);
+        let mut found = Vec::new();
+        each_harmonic(n, 1, |l, value| found.push((l, value)));
+        let scale = (0.75 / PI).sqrt();
+        let exact = [(0, (0.25 / PI).sqrt()), (1, scale * n.z), (1, scale * n.x), (1, scale * n.y)];
+        assert_eq!(found.len(), exact.len());
+        for (found, exact) in found.iter().zip(exact) {
+            assert!(found.0 == exact.0 && (found.1 - exact.1).abs() < 1e-15, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn harmonics_obey_the_addition_theorem() {
+        let (a, b) = (DVec3::new(0.1, 0.7, 0.4).normalize(), DVec3::new(-0.5, 0.2, -0.3).normalize());
+        let mut of_a = Vec::new();
+        each_harmonic(a, 22, |_, value| of_a.push(value));
+        assert_eq!(of_a.len(), harmonics_to(22));
+        let (mut sums, mut next) = ([0.0; 23], of_a.iter());
+        each_harmonic(b, 22, |l, value| sums[l] += value * next.next().expect("as many"));
+        for (l, sum) in sums.into_iter().enumerate() {
+            let mut only = [0.0; 23];
+            only[l] = 1.0;
+            let exact = zonal_series(only.into_iter(), a.dot(b));
+            assert!((sum - exact).abs() < 1e-12, "{l}: {sum} against {exact}");
         }
     }
 

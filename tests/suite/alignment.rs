@@ -150,7 +150,7 @@ fn the_penalised_log_likelihood_never_falls() {
             let mut seed = (**fine).clone();
             smooth::blend_down(coarse, &mut seed, Addressing::Wrap);
             for (x, y) in texels(fine) {
-                let texel = PulledTexel::new(&lobes, coarse, fine, (x, y), pull, KappaRule::Exact);
+                let texel = PulledTexel::new(&lobes, coarse, fine, (x, y), pull, &FitSettings::default());
                 let mut fit = TexelLobes::from_stored(seed.texel(x, y));
                 let values: Vec<f64> = (0..30).map(|_| texel.step(&mut fit).expect("valid normals")).collect();
                 for pair in values.windows(2) {

@@ -134,7 +134,7 @@ fn every_method_of_a_base_texel_and_of_a_flat_map_is_the_unfiltered_shading() {
     for (map, texel) in [("waves.png", "0,50,31"), ("flat.png", "2,1,1"), ("flat.png", "4,0,0"), ("flat.png", "0,3,3")]
     {
         let truth = values(map, texel, "truth");
-        for method in ["mip", "vmf:6"] {
+        for method in ["mip", "mip-unnormalised", "toksvig", "vmf:6"] {
             for (value, exact) in values(map, texel, method).iter().zip(&truth) {
                 // A stored delta is as sharp as f32 resolves, kappa 1e7: 4e-5 of s = 400 and of the value.
                 assert!(
@@ -144,6 +144,32 @@ fn every_method_of_a_base_texel_and_of_a_flat_map_is_the_unfiltered_shading() {
             }
         }
     }
+}
+
+#[test]
+fn every_rival_is_probed_and_drawn_by_the_name_that_the_report_repeats() {
+    let folder = folder();
+    sample(&folder, "scales");
+    for method in ["mip", "mip-unnormalised", "toksvig", "lean", "gmm:4", "gmm:2", "sh:2", "sh:7"] {
+        let probe =
+            ["probe", "scales.png", "--method", method, "--texel", "3,3,2", "--omega", "0,0.1,1", "--json", "-"];
+        let report = json(&run(&folder, &probe));
+        assert_eq!(report["method"], method);
+        assert!(report["texels"][0]["values"][0].as_f64().is_some_and(f64::is_finite), "{method}");
+        let output = run(&folder, &["render", "scales.png", "--method", method, "--size", "48x32", "-o", "r.png"]);
+        assert!(output.status.success(), "{method}: {}", String::from_utf8_lossy(&output.stderr));
+        let picture = image::open(folder.path().join("r.png")).expect("a picture").to_rgb8();
+        assert!(picture.pixels().any(|pixel| pixel[1] > 60), "{method} is dark");
+    }
+}
+
+#[test]
+fn harmonics_beyond_those_that_are_drawn_are_probed_only() {
+    let folder = folder();
+    sample(&folder, "scales");
+    let probe = ["probe", "scales.png", "--method", "sh:22", "--texel", "3,3,2", "--omega", "0,0,1"];
+    assert!(run(&folder, &probe).status.success());
+    assert_refused(&run(&folder, &["render", "scales.png", "--method", "sh:22", "-o", "r.png"]), "sh:22");
 }
 
 #[test]
@@ -182,12 +208,13 @@ fn bad_input_gets_one_sentence_that_names_it_and_exit_status_1() {
 #[test]
 fn wrong_usage_ends_with_exit_status_2() {
     let folder = folder();
-    let wrong: [&[&str]; 5] = [
+    let wrong: [&[&str]; 6] = [
         &["fit"],
         &["fit", "bricks", "-J", "17"],
         &["fit", "bricks", "--align", "sideways"],
         &["probe", "bricks", "--method", "magic", "--texel", "1,0,0", "--omega", "0,0,1"],
         &["fit", "bricks", "--texel", "1,2"],
+        &["probe", "bricks", "--method", "sh:23", "--texel", "1,0,0", "--omega", "0,0,1"],
     ];
     for arguments in wrong {
         assert_eq!(run(&folder, arguments).status.code(), Some(2), "{arguments:?}");

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use ndf_inspector::filter::vmf::em::{self, Stop};
 use ndf_inspector::filter::vmf::fit::{FitEvent, expected_visits, fit};
 use ndf_inspector::filter::vmf::samples::FootprintSamples;
-use ndf_inspector::filter::vmf::{Alignment, FitSettings, LobePyramid, Monitor, Objective, seed, smooth};
+use ndf_inspector::filter::vmf::{Alignment, EStep, FitSettings, LobePyramid, Monitor, Objective, seed, smooth};
 use ndf_inspector::normal_map::procedural;
 use ndf_inspector::normal_map::pyramid::{Footprint, Texel};
 use ndf_inspector::normal_map::{Addressing, NormalMap};
@@ -244,4 +244,17 @@ proptest! {
         });
         assert_sound(&fitted(&map, &unaligned(lobes)));
     }
+}
+
+#[test]
+fn the_e_step_as_printed_ends_elsewhere_and_lower() {
+    let map = Arc::new(procedural::find("bricks").expect("bundled").make(64));
+    let mean = |e_step| {
+        let settings = FitSettings { e_step, ..unaligned(5) };
+        let lobes = fitted(&map, &settings);
+        assert_sound(&lobes);
+        smooth::mean_log_likelihood(&map, lobes.level(6).expect("fitted"), (0, 0), &settings)
+    };
+    let (right, printed) = (mean(EStep::WithAlpha), mean(EStep::AsPrinted));
+    assert!(printed < right - 1e-3, "{printed} {right}");
 }

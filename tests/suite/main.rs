@@ -10,5 +10,6 @@ mod lobes_exr;
 mod objectives;
 mod opening;
 mod refit;
+mod rivals;
 mod selection;
 mod window;

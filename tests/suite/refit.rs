@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use ndf_inspector::filter::vmf::fit::{FitEvent, Stage, Start, expected_visits, fit, fit_from};
-use ndf_inspector::filter::vmf::{Alignment, FitSettings, LobePyramid, Monitor};
+use ndf_inspector::filter::vmf::{Alignment, FitSettings, LobePyramid, Monitor, Objective};
 use ndf_inspector::normal_map::procedural;
 use ndf_inspector::session::Session;
 
@@ -49,7 +49,7 @@ fn only_the_aligned_pass_visits_normals_when_the_unaligned_levels_are_there() {
     });
     let taken = own.clone();
     let mut shown = Vec::new();
-    let again = fit_from(&map, &settings, &Start { own, first: None }, &monitor(), &mut |event| {
+    let again = fit_from(&map, &settings, &Start { own, ..Start::default() }, &monitor(), &mut |event| {
         if let FitEvent::Level { level, mixtures, stage: Stage::Own, .. } = event {
             shown.push((level, mixtures));
         }
@@ -99,7 +99,7 @@ fn the_selected_texel_is_fitted_before_its_level() {
     let settings = FitSettings { lobes: 4, ..FitSettings::default() };
     let texel = ndf_inspector::normal_map::pyramid::Texel { level: 3, x: 5, y: 2 };
     let mut order = Vec::new();
-    let start = Start { own: Vec::new(), first: Some(texel) };
+    let start = Start { first: Some(texel), ..Start::default() };
     let monitor = Monitor::new(expected_visits(&map, &settings));
     fit_from(&map, &settings, &start, &monitor, &mut |event| match event {
         FitEvent::First { texel: found, stored } => order.push((found.level, stored)),
@@ -110,4 +110,31 @@ fn the_selected_texel_is_fitted_before_its_level() {
     .expect("nobody cancels");
     assert_eq!(order[0].0, 3);
     assert_eq!(order[0].1, order.iter().skip(1).find(|(_, stored)| !stored.is_empty()).expect("the level").1);
+}
+
+#[test]
+fn one_lobe_more_grows_from_the_fit_at_hand_and_is_about_as_likely_as_a_fit_from_the_start() {
+    for objective in [Objective::Em, Objective::Likelihood] {
+        let mut session = Session::with_map(procedural::find("bricks").expect("bundled").make(64), Arc::new(|| {}));
+        session.begin(FitSettings { lobes: 4, objective, align: Alignment::None, ..FitSettings::default() });
+        finish(&mut session);
+        let fewer = log_likelihood(&session);
+        session.set_fit_settings(FitSettings { lobes: 5, ..*session.fit_settings() });
+        assert!(session.fitting().is_grown());
+        finish(&mut session);
+        let grown = log_likelihood(&session);
+        session.refit();
+        assert!(!session.fitting().is_grown());
+        finish(&mut session);
+        let afresh = log_likelihood(&session);
+        assert_eq!(session.lobes().coarse, fitted_afresh(&session).coarse);
+        assert!(grown > fewer + 0.05 && grown > afresh - 0.1, "{objective}: {fewer} {grown} {afresh}");
+    }
+}
+
+/// The mean over levels 2 and up.
+fn log_likelihood(session: &Session) -> f64 {
+    let levels = &session.fitting().levels()[2..];
+    levels.iter().filter_map(|level| level.stats).map(|stats| stats.mean_log_likelihood).sum::<f64>()
+        / levels.len() as f64
 }

@@ -9,7 +9,7 @@ use super::{PanelContext, heading, rule};
 use crate::app::parameter::{Parameter, choice, explained_choice, label};
 use crate::app::{Command, theme};
 use crate::brdf::{ConvolutionRule, DiffuseRule};
-use crate::filter::vmf::{Alignment, FitSettings, Objective, Selection};
+use crate::filter::vmf::{Alignment, EStep, FitSettings, Objective, Selection};
 use crate::lit_surface::{LevelChoice, LitSurface};
 use crate::normal_map::{Addressing, GreenChannel, MapSource};
 use crate::scene::ShapeKind;
@@ -107,6 +107,12 @@ fn fit(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let rules = [(KappaRule::Exact, "exact"), (KappaRule::Banerjee, "Banerjee (closed form)")];
     if let Some(rule) = choice(ui, "Kappa from r", p::KAPPA, settings.kappa, &rules) {
         settings.kappa = rule;
+    }
+    if settings.objective == Objective::Em || settings.align.pull().is_some() {
+        let steps = [(EStep::WithAlpha, "with alpha"), (EStep::AsPrinted, "as printed")];
+        if let Some(step) = choice(ui, "E-step", p::E_STEP, settings.e_step, &steps) {
+            settings.e_step = step;
+        }
     }
     if settings != *context.session.fit_settings() {
         context.push(Command::SetFit(settings));

@@ -9,12 +9,14 @@ pub mod surface_overlay;
 pub mod surface_panel;
 pub mod toasts;
 pub mod top_bar;
+pub mod trace_plot;
 
 use egui::{Response, RichText, Ui};
 
 use super::inspector::Surroundings;
 use super::map_picture::MapTextures;
 use super::texel_report::TexelReport;
+use super::trace_report::TraceReport;
 use super::{Command, ViewState, theme};
 use crate::session::Session;
 
@@ -28,6 +30,8 @@ pub struct PanelContext<'a> {
     pub commands: &'a mut Vec<Command>,
     /// The selected texel.
     pub report: &'a TexelReport,
+    /// How its fit went.
+    pub trace: &'a TraceReport,
     /// Levels as textures.
     pub textures: &'a mut MapTextures,
     /// Where all this is shown.

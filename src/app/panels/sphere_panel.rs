@@ -3,7 +3,7 @@
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, ScrollArea, Sense, Ui, Vec2, pos2, vec2};
 use glam::{DVec2, DVec3};
 
-use super::{PanelContext, lobe_table, segmented, toggle};
+use super::{PanelContext, lobe_table, segmented, toggle, trace_plot};
 use crate::app::theme;
 use crate::app::viewport::SpherePaint;
 use crate::color::heat;
@@ -22,6 +22,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         scale_bar(ui, context);
         ui.label(RichText::new(reading).small().monospace().color(theme::WEAK));
         numbers(ui, context);
+        trace_plot::show(ui, context);
     });
 }
 

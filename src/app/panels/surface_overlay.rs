@@ -7,19 +7,9 @@ use super::map_panel::badge;
 use super::surface_panel::{WIDE, dome_point, project};
 use crate::app::theme;
 use crate::filter::Method;
-use crate::filter::vmf::Fold;
+use crate::filter::vmf::{FitSettings, Fold, Selection};
 use crate::lit_surface::LitSurface;
 use crate::session::fitting::LevelState;
-
-/// A method's name as the window writes it.
-pub fn method_label(method: Method) -> &'static str {
-    match method {
-        Method::Truth => "truth",
-        Method::Mip => "plain mip",
-        Method::Vmf => "vmf lobes",
-        Method::VmfUnaligned => "vmf unaligned",
-    }
-}
 
 /// The names of both methods on their sides, with what there is to say of each.
 pub fn badges(painter: &Painter, context: &PanelContext<'_>, picture: Rect) {
@@ -43,20 +33,44 @@ fn method_badges(painter: &Painter, context: &PanelContext<'_>, method: Method, 
     let text = match method {
         Method::Truth => {
             let report = context.surroundings.target.status.get();
-            let (label, samples) = (method_label(method), report.truth_samples);
+            let (label, samples) = (method.label(), report.truth_samples);
             // Without the finest levels it is the truth of a smoother map.
             let level = if report.left_out > 0 { format!(" of level {}", report.left_out) } else { String::new() };
             format!("{label}{level} · {samples} of {} samples per pixel", context.session.truth_samples)
         }
-        Method::Mip => method_label(method).to_owned(),
+        Method::Rival(_) => method.label(),
         Method::Vmf | Method::VmfUnaligned => {
-            format!("{} · J = {}", method_label(method), context.session.fit_settings().lobes)
+            format!("{} · J = {}", method.label(), lobe_count(context.session.fit_settings()))
         }
     };
     let rect = badge(painter, at, align, &text, theme::STRONG);
-    if let (true, Some((note, color))) = (method.shows_lobes(), lobes_note(context)) {
+    let note = if method.shows_lobes() { lobes_note(context) } else { channels_note(context, method) };
+    if let Some((note, color)) = note {
         let below = pos2(if align == Align2::LEFT_TOP { rect.left() } else { rect.right() }, rect.bottom() + 4.0);
         badge(painter, below, align, &note, color);
+    }
+}
+
+/// What keeps a rival from being shown.
+fn channels_note(context: &PanelContext<'_>, method: Method) -> Option<(String, Color32)> {
+    let rival = method.rival()?;
+    let text = if !rival.is_drawn() {
+        "too many bands to draw"
+    } else if context.session.is_building() && context.session.channels_of(method).is_none() && rival.kind.has_channels
+    {
+        "being built"
+    } else {
+        return None;
+    };
+    Some((text.to_owned(), theme::WARNING))
+}
+
+/// How many lobes a texel gets, as the badge says it.
+fn lobe_count(settings: &FitSettings) -> String {
+    match settings.selection {
+        Selection::Fixed => settings.lobes.to_string(),
+        Selection::BrdfError { percent } => format!("auto {percent} %"),
+        Selection::Bic => "BIC".to_owned(),
     }
 }
 

@@ -73,7 +73,12 @@ fn between(ui: &mut Ui, comparison: &mut Comparison) {
 }
 
 fn combo(ui: &mut Ui, name: &str, method: &mut Method) {
-    let methods = Method::ALL.map(|method| (method, overlay::method_label(method)));
+    let mut methods: Vec<(Method, String)> = Method::offered().map(|method| (method, method.label())).collect();
+    if methods.iter().all(|(offered, _)| offered != method) {
+        // A session file may name a parameter that is not offered.
+        methods.push((*method, method.label()));
+    }
+    let methods: Vec<(Method, &str)> = methods.iter().map(|(method, label)| (*method, label.as_str())).collect();
     ui.scope(|ui| {
         ui.set_width(104.0);
         crate::app::parameter::combo(ui, name, method, &methods);

@@ -81,13 +81,19 @@ impl TrueBrdf {
 
     /// The relative L2 error of `lobes`, by the default convolution rule.
     pub fn error(&self, lobes: &TexelLobes) -> f64 {
-        let mut value = [0.0_f32; DIRECTIONS];
-        for j in (0..lobes.count).filter(|&j| lobes.alpha[j] > f64::from(EMPTY_WEIGHT)) {
-            add_lobe(lobes.alpha[j], lobes.resultant[j], &mut value);
-        }
+        let value = shaded(lobes);
         let squares: f64 = value.iter().zip(&self.value).map(|(v, t)| f64::from(v - t) * f64::from(v - t)).sum();
         (squares / self.energy.max(f64::MIN_POSITIVE)).sqrt()
     }
+}
+
+/// The lobes' effective BRDF in the fixed directions.
+fn shaded(lobes: &TexelLobes) -> [f32; DIRECTIONS] {
+    let mut value = [0.0_f32; DIRECTIONS];
+    for j in (0..lobes.count).filter(|&j| lobes.alpha[j] > f64::from(EMPTY_WEIGHT)) {
+        add_lobe(lobes.alpha[j], lobes.resultant[j], &mut value);
+    }
+    value
 }
 
 /// Adds `w max(n.omega, 0)^64` of every sample: six squarings.

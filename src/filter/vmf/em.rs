@@ -80,6 +80,15 @@ impl TexelLobes {
         kernel
     }
 
+    /// The lobes as Algorithm 1 is printed: without their weights.
+    pub fn for_printed_e_step(&self, rule: KappaRule) -> KernelLobes {
+        let mut kernel = self.for_e_step(rule);
+        for j in (0..self.count).filter(|&j| self.alpha[j] > RETIRED) {
+            kernel.log_scale[j] -= self.alpha[j].ln() as f32;
+        }
+        kernel
+    }
+
     /// The plain M-step from the sums of an E-step under `kernel`.
     pub fn m_step(&mut self, kernel: &KernelLobes, sums: &Sums) {
         for j in 0..self.count {
@@ -110,6 +119,18 @@ impl TexelLobes {
         }
         self
     }
+}
+
+/// How normals are shared between lobes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EStep {
+    /// By `alpha_j v_j(n)`, as a mixture has it.
+    #[default]
+    WithAlpha,
+    /// By `v_j(n)` alone, as Han's Algorithm 1 is printed; an error that its author confirmed (Mikkelsen 2008), kept so
+    /// that the paper's own result can be seen.
+    AsPrinted,
 }
 
 /// When the iterations end.
@@ -164,4 +185,37 @@ pub fn fit(
         lobes.m_step(&kernel, &sums);
         iterations += 1;
     }
+}
+
+/// As [`fit`], with the E-step of [`EStep::AsPrinted`]: it lowers the likelihood as often as not, so it ends when the
+/// likelihood changes by less than the tolerance.
+pub fn fit_as_printed(
+    samples: &impl Samples,
+    seed: TexelLobes,
+    stop: Stop,
+    rule: KappaRule,
+    mut watch: impl FnMut(f64) -> bool,
+) -> TexelFit {
+    let likelihood = Stop { iterations: 0, tolerance: 0.0 };
+    let mut best = fit(samples, seed, likelihood, rule, &mut watch);
+    for iteration in 1..=stop.iterations {
+        let kernel = best.lobes.for_printed_e_step(rule);
+        let sums = e_step(samples, &kernel);
+        if sums.total <= 0.0 {
+            break;
+        }
+        let mut lobes = best.lobes;
+        lobes.m_step(&kernel, &sums);
+        let mut proceed = true;
+        let next = fit(samples, lobes, likelihood, rule, |mean| {
+            proceed = watch(mean);
+            proceed
+        });
+        let change = (next.mean_log_likelihood - best.mean_log_likelihood).abs();
+        best = TexelFit { iterations: iteration, ..next };
+        if change < stop.tolerance || !proceed {
+            break;
+        }
+    }
+    best
 }

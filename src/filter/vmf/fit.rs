@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 
 use super::coherence::Coherence;
 use super::color::{self, ColorLevel};
-use super::em::Stop;
+use super::em::{EStep, Stop};
 use super::looks::Looks;
 use super::monitor::{Cancelled, Monitor};
 use super::objective::Objective;
 use super::pull::Pull;
 use super::pyramid::{BaseSlots, LobePyramid, MixtureLevel};
 use super::selection::{self, Selection};
-use super::{base_slots, between, first, scanline, smooth, unaligned};
+use super::{base_slots, between, first, grow, scanline, smooth, unaligned};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::StoredLobe;
@@ -133,6 +133,8 @@ pub struct FitSettings {
     pub tolerance: f64,
     /// Which inverse of `A` gives kappa.
     pub kappa: KappaRule,
+    /// How the objective `em` and the scanline alignments share normals between lobes.
+    pub e_step: EStep,
 }
 
 impl Default for FitSettings {
@@ -145,6 +147,7 @@ impl Default for FitSettings {
             iterations: 100,
             tolerance: 1e-5,
             kappa: KappaRule::Exact,
+            e_step: EStep::default(),
         }
     }
 }
@@ -237,6 +240,8 @@ pub type OwnLevels = Vec<(Arc<MixtureLevel>, LevelStats)>;
 pub struct Start {
     /// What an earlier fit of the same settings, alignment apart, has left.
     pub own: OwnLevels,
+    /// What an earlier fit with one lobe fewer has left, to grow from.
+    pub fewer: OwnLevels,
     /// The texel that somebody waits for.
     pub first: Option<Texel>,
 }
@@ -281,14 +286,17 @@ pub fn fit_from(
     // By level; the base is not fitted.
     let mut own = vec![LevelStats::default()];
     for level in 1..lobes.levels() {
-        let (mixtures, stats) = match start.own.get(level - 1) {
-            Some((mixtures, stats)) => {
+        let (mixtures, stats) = match (start.own.get(level - 1), start.fewer.get(level - 1)) {
+            (Some((mixtures, stats)), _) => {
                 monitor.visited(level, (map.len() * unaligned::most_passes(settings)) as u64);
                 (Arc::clone(mixtures), *stats)
             }
-            None => {
+            (None, fewer) => {
                 let timed = std::time::Instant::now();
-                let (mixtures, stats) = unaligned::fit_level(&lobes, level, settings, monitor)?;
+                let (mixtures, stats) = match fewer {
+                    Some((fewer, _)) => grow::fit_level(map, fewer, level, settings, monitor)?,
+                    None => unaligned::fit_level(&lobes, level, settings, monitor)?,
+                };
                 (Arc::new(mixtures), LevelStats { seconds: timed.elapsed().as_secs_f64(), ..stats })
             }
         };
@@ -350,11 +358,11 @@ fn align(
         selection::prune_levels(lobes, f64::from(percent) / 100.0, monitor)?;
     }
     if selects {
-        for level in 1..=top {
+        for (level, own) in own.iter().enumerate().skip(1) {
             let Some(mixtures) = lobes.coarse[level - 1].take() else { continue };
             let mut stats = smooth::likelihood(&lobes.map, &mixtures, &aligned, monitor)?;
             stats.mean_iterations = aligned.aligned_passes() as f64;
-            stats.log_likelihood_lost = own[level].mean_log_likelihood - stats.mean_log_likelihood;
+            stats.log_likelihood_lost = own.mean_log_likelihood - stats.mean_log_likelihood;
             keep(lobes, level, Arc::new(Arc::unwrap_or_clone(mixtures).trimmed()), stats, Stage::Done, report);
         }
     }

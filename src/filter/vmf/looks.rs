@@ -27,6 +27,9 @@ pub const MEAN_COSINE: f64 = (SHININESS + 1.0) / (SHININESS + 2.0);
 /// 256 have, 100 cost 17 %.
 pub const MOST_DIRECTIONS: usize = 13 * LANES;
 
+/// Rings they lie on.
+const RINGS: usize = 9;
+
 /// A direction is used where the whole map looks this bright, against its brightest.
 const SEEN: f32 = 1e-3;
 
@@ -51,8 +54,9 @@ impl Directions {
     /// Those of the hemisphere that `wanted` holds.
     fn new(wanted: impl Fn(usize) -> bool) -> Self {
         let mut own = Self { x: Vec::new(), y: Vec::new(), z: Vec::new() };
-        for (_, towards) in direction::hemisphere(MOST_DIRECTIONS).enumerate().filter(|(i, _)| wanted(*i)) {
-            own.push(towards.as_vec3());
+        let all = direction::symmetric_hemisphere(RINGS).take(MOST_DIRECTIONS);
+        for (_, towards) in all.enumerate().filter(|(i, _)| wanted(*i)) {
+            own.push(towards);
         }
         while own.x.is_empty() || !own.x.len().is_multiple_of(LANES) {
             own.push(glam::Vec3::new(0.0, 0.0, -30.0));

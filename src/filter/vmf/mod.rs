@@ -17,6 +17,7 @@ pub mod first;
 pub mod fit;
 pub mod fold;
 pub mod gauss_newton;
+pub mod grow;
 pub mod kernel;
 pub mod lanes;
 pub mod likelihood;
@@ -53,6 +54,7 @@ use crate::sphere::{Lobe, Mixture};
 
 pub use coherence::Coherence;
 pub use color::ColorLevel;
+pub use em::EStep;
 pub use fit::{Alignment, FitEvent, FitSettings, LevelStats, Stage};
 pub use monitor::{Cancelled, Monitor};
 pub use objective::Objective;

@@ -9,7 +9,7 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::em::TexelLobes;
+use super::em::{EStep, TexelLobes};
 use super::fit::{FitSettings, LevelStats};
 use super::monitor::{Cancelled, Monitor};
 use super::pull::{Pull, Unpulled};
@@ -56,7 +56,7 @@ pub fn fit_level(
             }
             monitor.visited(level, visits);
             let seed = TexelLobes::from_stored(mixtures.texel(texel.0, texel.1));
-            PulledTexel::new(lobes, coarse, &mixtures, texel, pull, settings.kappa).fit(seed, settings.aligned_passes())
+            PulledTexel::new(lobes, coarse, &mixtures, texel, pull, settings).fit(seed, settings.aligned_passes())
         };
         texels.par_iter().map(fit).collect_into_vec(&mut fitted);
         for (&(x, y), lobes) in texels.iter().zip(&fitted) {
@@ -74,7 +74,7 @@ pub fn fit_level(
 pub fn trace_texel(lobes: &LobePyramid, texel: Texel, settings: &FitSettings) -> Option<TracedRun> {
     let (level, coarse) = (lobes.level(texel.level)?, lobes.level(texel.level + 1)?);
     let (place, size) = ((texel.x, texel.y), (level.width, level.height));
-    let pulled = PulledTexel::new(lobes, coarse, level, place, settings.align.pull()?, settings.kappa);
+    let pulled = PulledTexel::new(lobes, coarse, level, place, settings.align.pull()?, settings);
     let taps = smooth::coarse_taps(coarse, size, place, lobes.map.options.addressing);
     let seed: Vec<_> = (0..level.lobes).map(|slot| smooth::blend_slot(coarse, &taps, slot).to_array()).collect();
     let mut fit = TexelLobes::from_stored(&seed);
@@ -95,6 +95,7 @@ pub struct PulledTexel<'a> {
     towards: [DVec3; MAX_LOBES],
     pull: Pull,
     rule: KappaRule,
+    e_step: EStep,
 }
 
 impl<'a> PulledTexel<'a> {
@@ -105,12 +106,13 @@ impl<'a> PulledTexel<'a> {
         mixtures: &MixtureLevel,
         texel: (usize, usize),
         pull: Pull,
-        rule: KappaRule,
+        settings: &FitSettings,
     ) -> Self {
         let map = &lobes.map;
         let footprint = Footprint::new((map.width, map.height), (mixtures.width, mixtures.height), texel);
         let towards = directions_around(coarse, mixtures, texel);
-        Self { samples: FootprintSamples::new(map, footprint), towards, pull, rule }
+        let (rule, e_step) = (settings.kappa, settings.e_step);
+        Self { samples: FootprintSamples::new(map, footprint), towards, pull, rule, e_step }
     }
 
     /// `iterations` steps from `seed`; a flat lobe without a valid normal.
@@ -128,7 +130,10 @@ impl<'a> PulledTexel<'a> {
     /// added, which never falls from one iteration to the next where the pull is [`Pull::Map`]: mu_j is best given
     /// kappa_j, then kappa_j given mu_j, a generalised EM (Dempster et al. 1977). `None` without a valid normal.
     pub fn step(&self, lobes: &mut TexelLobes) -> Option<f64> {
-        let kernel = lobes.for_e_step(self.rule);
+        let kernel = match self.e_step {
+            EStep::WithAlpha => lobes.for_e_step(self.rule),
+            EStep::AsPrinted => lobes.for_printed_e_step(self.rule),
+        };
         let sums = self.samples.e_step(&kernel);
         if sums.total <= 0.0 {
             return None;

@@ -93,6 +93,16 @@ pub fn farthest_normals(map: &NormalMap, footprint: &Footprint, wanted: usize) -
     farthest(&normals, &mut nearest, wanted, mean.as_vec3())
 }
 
+/// The footprint's normal that lies farthest from the nearest of `centres`; `None` where every one lies on a centre.
+pub fn farthest_from(map: &NormalMap, footprint: &Footprint, centres: &[Vec3]) -> Option<Vec3> {
+    let stride = footprint.len().div_ceil(SEARCHED).max(1);
+    let nearest = |normal: Vec3| centres.iter().map(|c| c.distance_squared(normal)).fold(f32::INFINITY, f32::min);
+    let texels = footprint.texels().step_by(stride);
+    let normals = texels.filter_map(|(x, y, _)| map.normal(y * map.width + x));
+    let farthest = normals.map(|normal| (nearest(normal), normal)).reduce(|a, b| if b.0 > a.0 { b } else { a });
+    farthest.filter(|(distance, _)| *distance > SAME).map(|(_, normal)| normal)
+}
+
 /// Index of the first largest value.
 fn index_of_max(values: impl Iterator<Item = f32>) -> Option<usize> {
     values

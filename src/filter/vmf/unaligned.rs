@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::bins::{self, BinnedSamples};
 use super::children::Children;
-use super::em::{self, Stop, TexelFit, TexelLobes};
+use super::em::{self, EStep, Stop, TexelFit, TexelLobes};
 use super::fit::{FitSettings, LevelStats};
 use super::lanes::LANES;
 use super::monitor::{Cancelled, Monitor};
@@ -104,12 +104,12 @@ impl<'a> LevelFit<'a> {
             return None;
         }
         let most = crowd::most_normals(&self.lobes.map, self.lobes.map.level_size(self.level));
-        match settings.objective {
-            Objective::Em => crowd_em::fit(self, texels, keep),
+        match (settings.objective, settings.e_step) {
             // What has no more normals than lobes needs no fit, whatever the objective.
             _ if most <= settings.lobes => crowd_em::fit(self, texels, keep),
-            Objective::Appearance { steps } => appearance::fit_crowd(self, texels, usize::from(steps), keep),
-            Objective::Likelihood => None,
+            (Objective::Em, EStep::WithAlpha) => crowd_em::fit(self, texels, keep),
+            (Objective::Appearance { steps }, _) => appearance::fit_crowd(self, texels, usize::from(steps), keep),
+            (Objective::Em, EStep::AsPrinted) | (Objective::Likelihood, _) => None,
         }
     }
 
@@ -273,7 +273,10 @@ fn fit_by_em(samples: &FootprintSamples<'_>, children: &Children<'_>, task: &mut
     let stop = settings.stop();
     let mut run = |name, seed, stop| {
         task.begin(name);
-        em::fit(samples, seed, stop, settings.kappa, |mean| task.saw(mean))
+        match settings.e_step {
+            EStep::WithAlpha => em::fit(samples, seed, stop, settings.kappa, |mean| task.saw(mean)),
+            EStep::AsPrinted => em::fit_as_printed(samples, seed, stop, settings.kappa, |mean| task.saw(mean)),
+        }
     };
     let seed = seed_of(children, samples, settings.lobes);
     if samples.len() < RACED || settings.iterations <= RACE {

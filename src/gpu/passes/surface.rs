@@ -4,9 +4,11 @@ use std::collections::HashMap;
 
 use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::Method;
+use crate::filter::rival::RivalKind;
 use crate::filter::vmf::Fold;
 use crate::gpu::exact_tables::ExactTables;
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer};
+use crate::gpu::rival_textures::RivalTextures;
 use crate::gpu::surface_pipelines::{SurfacePipelines, Variant};
 use crate::gpu::textures::MapTextures;
 use crate::lit_surface::{LevelChoice, LitSurface};
@@ -28,6 +30,11 @@ pub const SHADER: [&str; 7] = [
     layout::TRUTH,
     include_str!("../../../shaders/surface.wgsl"),
 ];
+
+/// The parts of a rival's shader, in order: the surface's, the entry point, the method's own.
+pub fn rival_shader(kind: &RivalKind) -> Vec<&'static str> {
+    SHADER.into_iter().chain([layout::RIVAL, kind.shader]).collect()
+}
 
 /// The frame's constants; `Frame` in the shader.
 #[repr(C)]
@@ -59,8 +66,6 @@ pub struct FrameData {
     pub tiling: [f32; 2],
     /// Texels of the map's base level.
     pub base_size: [f32; 2],
-    /// Levels that `mip` may read.
-    pub mip_lods: [f32; 2],
     /// Levels that `vmf` may read.
     pub vmf_lods: [f32; 2],
     /// The map's level that the means begin with.
@@ -79,6 +84,8 @@ pub struct FrameData {
     pub diffuse_rule: u32,
     /// Nothing.
     pub padding: u32,
+    /// Nothing.
+    pub more_padding: [u32; 2],
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
 }
@@ -133,7 +140,19 @@ pub struct SurfacePass {
     exact_tables: ExactTables,
     frame_group: wgpu::BindGroup,
     sum_layout: wgpu::BindGroupLayout,
+    rival_layout: wgpu::BindGroupLayout,
     meshes: HashMap<ShapeKind, MeshBuffers>,
+}
+
+/// What a method reads beside the map.
+#[derive(Clone, Copy, Debug)]
+pub enum Reads<'a> {
+    /// Nothing.
+    Nothing,
+    /// The truth's sum so far.
+    Sum(&'a Target),
+    /// A rival's channels.
+    Channels(&'a RivalTextures),
 }
 
 #[derive(Debug)]
@@ -168,14 +187,20 @@ impl SurfacePass {
         let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM, ExactTables::BINDING]);
         let sum_type = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
         let sum_layout = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[sum_type]);
-        let pipelines = SurfacePipelines::new(device, [&frame, map, &sum_layout]);
+        let rival_layout = RivalTextures::layout(device);
+        let pipelines = SurfacePipelines::new(device, [&frame, map], [&sum_layout, &rival_layout]);
         let constants = uniform_buffer::<FrameData>(device, "surface frame");
         let exact_tables = ExactTables::new(device);
         let tables = exact_tables.view();
         let resources = [constants.as_entire_binding(), wgpu::BindingResource::TextureView(&tables)];
         let frame_group = bind_group(device, "surface frame", &frame, &resources);
         let (variant, meshes) = (Variant::default(), HashMap::new());
-        Self { pipelines, variant, constants, exact_tables, frame_group, sum_layout, meshes }
+        Self { pipelines, variant, constants, exact_tables, frame_group, sum_layout, rival_layout, meshes }
+    }
+
+    /// No channels yet, of a rival that is to be drawn.
+    pub fn rival_textures(&self, device: &wgpu::Device) -> RivalTextures {
+        RivalTextures::new(device, &self.rival_layout)
     }
 
     /// A picture to draw into, with depth of its own.
@@ -205,14 +230,14 @@ impl SurfacePass {
         self.pipelines.make(device, methods, variant);
     }
 
-    /// Draws `kind` by `method` into `target`; the truth adds to `sum`.
+    /// Draws `kind` by `method` into `target`.
     pub fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (kind, method): (ShapeKind, Method),
         map: &MapTextures,
         target: &Target,
-        sum: Option<&Target>,
+        reads: Reads<'_>,
     ) {
         let (Some(mesh), Some(pipeline)) = (self.meshes.get(&kind), self.pipelines.get(method, self.variant)) else {
             return;
@@ -221,8 +246,10 @@ impl SurfacePass {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.frame_group, &[]);
         pass.set_bind_group(1, map.bind_group(), &[]);
-        if let Some(sum) = sum {
-            pass.set_bind_group(2, &sum.as_sum, &[]);
+        match reads {
+            Reads::Nothing => {}
+            Reads::Sum(sum) => pass.set_bind_group(2, &sum.as_sum, &[]),
+            Reads::Channels(channels) => pass.set_bind_group(2, channels.bind_group(), &[]),
         }
         pass.set_vertex_buffer(0, mesh.vertices.slice(..));
         pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
@@ -232,16 +259,6 @@ impl SurfacePass {
     /// Empties `target`.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
         drop(begin(encoder, target));
-    }
-}
-
-/// The place of a method in [`Method::ALL`].
-pub fn index(method: Method) -> usize {
-    match method {
-        Method::Truth => 0,
-        Method::Mip => 1,
-        Method::Vmf => 2,
-        Method::VmfUnaligned => 3,
     }
 }
 

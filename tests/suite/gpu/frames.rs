@@ -148,7 +148,7 @@ fn a_bump_lit_from_the_top_left_is_bright_at_its_top_left() {
     scene.surface.camera.elevation_deg = 89.9;
     scene.surface.shape.tiling = [1.0, 1.0];
     scene.surface.light.azimuth_deg = 135.0;
-    for method in [Method::Truth, Method::Mip] {
+    for method in [Method::Truth, Method::MIP] {
         let mut frame = frame(16, 16);
         step(&mut frame, &scene.input(method));
         let picture = linear(&frame, method);
@@ -165,9 +165,9 @@ fn the_wipe_shows_the_left_method_on_its_left_and_the_right_one_on_its_right() {
         let input = FrameInput { left, right, wipe, ..scene.input(left) };
         render_to_rgba8(gpu(), &input, 16).expect("readable")
     };
-    let (mip, vmf) = (picture(Method::Mip, Method::Mip, 0.5), picture(Method::Vmf, Method::Mip, 1.0));
+    let (mip, vmf) = (picture(Method::MIP, Method::MIP, 0.5), picture(Method::Vmf, Method::MIP, 1.0));
     assert_ne!(mip, vmf);
-    let both = picture(Method::Mip, Method::Vmf, 0.5);
+    let both = picture(Method::MIP, Method::Vmf, 0.5);
     for (i, pixel) in both.chunks(4).enumerate() {
         let expected = match i % 192 {
             95 | 96 => &[231, 231, 231, 255][..],
@@ -183,9 +183,9 @@ fn the_picture_is_exposed_and_encoded_once() {
     let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 4);
     scene.surface.exposure_stops = 0.7;
     let mut frame = frame(1, 1);
-    step(&mut frame, &scene.input(Method::Mip));
-    let linear = linear(&frame, Method::Mip);
-    let bytes = render_to_rgba8(gpu(), &scene.input(Method::Mip), 1).expect("readable");
+    step(&mut frame, &scene.input(Method::MIP));
+    let linear = linear(&frame, Method::MIP);
+    let bytes = render_to_rgba8(gpu(), &scene.input(Method::MIP), 1).expect("readable");
     for (i, pixel) in bytes.chunks(4).enumerate().filter(|(i, _)| linear[*i][3] > 0.5) {
         let expected = srgb8_from_linear(Vec3::from_slice(&linear[i][..3]));
         assert!((0..3).all(|c| pixel[c].abs_diff(expected[c]) <= 1), "{pixel:?} against {expected:?}");

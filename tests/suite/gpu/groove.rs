@@ -57,6 +57,6 @@ fn a_two_colour_groove_keeps_each_sides_colour_on_the_adapter() {
                 assert!(hue(found) > 0.99, "{method} on the {what} from side {side}: {found} is not like {color}");
             }
         }
-        assert!(hue(mean(&on_adapter(&aligned, Method::Mip))) < 0.9, "the averaged normal mixes the sides");
+        assert!(hue(mean(&on_adapter(&aligned, Method::MIP))) < 0.9, "the averaged normal mixes the sides");
     }
 }

@@ -2,9 +2,11 @@
 
 use std::mem::offset_of;
 
+use ndf_inspector::filter::rival::RIVALS;
 use ndf_inspector::gpu::passes::compare::{self, CompareData};
 use ndf_inspector::gpu::passes::sphere::{self, gpu_data};
 use ndf_inspector::gpu::passes::surface::{self, FrameData};
+use ndf_inspector::gpu::rival_textures::RivalData;
 use wgpu::naga;
 
 fn parse(parts: &[&str]) -> naga::Module {
@@ -48,7 +50,6 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         diffuse,
         tiling,
         base_size,
-        mip_lods,
         vmf_lods,
         base_level,
         lobe_level,
@@ -58,9 +59,18 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         sample_count,
         diffuse_rule,
         padding,
+        more_padding,
         fold,
     });
     assert_eq!(layout(&module, "Frame"), rust);
+}
+
+#[test]
+fn every_rivals_shader_is_valid_and_lays_out_its_constants_as_rust_does() {
+    for kind in RIVALS {
+        let module = parse(&surface::rival_shader(kind));
+        assert_eq!(layout(&module, "Rival"), rust_layout!(RivalData { lods, first_level, parameter }), "{}", kind.name);
+    }
 }
 
 #[test]

@@ -58,7 +58,7 @@ fn levels_beyond_the_adapters_limit_are_left_out_and_the_others_drawn_right() {
         let vmf = VmfFilter { lobes: Arc::new(scene.lobes.clone()), fold: Fold::default(), rules: Rules::default() };
         let filters: [(Method, Box<dyn Filter>); 4] = [
             (Method::Truth, Box::new(Truth { map: level_as_map(&scene, 2), samples: SAMPLES })),
-            (Method::Mip, Box::new((*scene.mip).clone())),
+            (Method::MIP, Box::new((*scene.mip).clone())),
             (Method::Vmf, Box::new(vmf.clone())),
             (Method::VmfUnaligned, Box::new(UnalignedVmf(vmf))),
         ];
@@ -87,8 +87,8 @@ fn a_picture_larger_than_a_texture_is_drawn_as_large_as_one() {
     let scene = Scene { size: [300, 100], ..Scene::new(maps::rough(16, 16, Addressing::Wrap), 2) };
     let gpu = small(192);
     let mut frame = SurfaceFrame::new(&gpu.device, PICTURE_FORMAT);
-    frame.complete(&gpu, &FrameInput { ..scene.input(Method::Mip) }).expect("the device works");
-    let texels = frame.linear(&gpu.device, &gpu.queue, Method::Mip).expect("readable");
+    frame.complete(&gpu, &FrameInput { ..scene.input(Method::MIP) }).expect("the device works");
+    let texels = frame.linear(&gpu.device, &gpu.queue, Method::MIP).expect("readable");
     assert_eq!(texels.len(), 192 * 100);
 }
 

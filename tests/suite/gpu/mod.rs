@@ -10,8 +10,10 @@ mod twins;
 
 use std::sync::{Arc, OnceLock};
 
-use ndf_inspector::filter::vmf::{Fold, LobePyramid};
-use ndf_inspector::filter::{Method, PlainMip};
+use ndf_inspector::filter::channels::ChannelPyramid;
+use ndf_inspector::filter::rival::Source;
+use ndf_inspector::filter::vmf::{Fold, LobePyramid, Monitor, Rules};
+use ndf_inspector::filter::{Method, PlainMip, Rival, RivalFilter};
 use ndf_inspector::gpu::{FrameInput, Gpu};
 use ndf_inspector::lit_surface::LitSurface;
 use ndf_inspector::normal_map::NormalMap;
@@ -38,6 +40,19 @@ impl Scene {
         Self { mip, lobes, fold: Fold::default(), surface: LitSurface::default(), size: [192, 144] }
     }
 
+    /// Builds a rival.
+    fn rival(&self, rival: Rival) -> Arc<dyn RivalFilter> {
+        let monitor = Monitor::new(Vec::new());
+        let source = Source { mip: &self.mip, rules: Rules::default(), monitor: &monitor };
+        rival.build(&source).expect("nobody cancels")
+    }
+
+    /// What the adapter samples of a method, where it is a rival that has channels.
+    fn channels(&self, method: Method) -> Option<Arc<ChannelPyramid>> {
+        let rival = self.rival(method.rival()?);
+        rival.channels(&Monitor::new(Vec::new())).expect("nobody cancels").cloned()
+    }
+
     fn map(&self) -> &Arc<NormalMap> {
         &self.mip.map
     }
@@ -46,7 +61,7 @@ impl Scene {
         [0.0, (self.map().level_sizes().len() - 1) as f32]
     }
 
-    /// `method` alone, over the whole picture.
+    /// `method` alone, over the whole picture, without channels.
     fn input(&self, method: Method) -> FrameInput<'_> {
         FrameInput {
             surface: &self.surface,
@@ -55,6 +70,7 @@ impl Scene {
             fold: self.fold,
             left: method,
             right: method,
+            channels: [None; 2],
             wipe: 1.0,
             size: self.size,
         }

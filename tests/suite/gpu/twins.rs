@@ -4,8 +4,8 @@ use glam::{Vec2, Vec3};
 use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::color::srgb8_from_linear;
 use ndf_inspector::filter::vmf::{Fold, Rules};
-use ndf_inspector::filter::{Filter, LocalLight, Lookup, Method, Truth, UnalignedVmf, VmfFilter};
-use ndf_inspector::gpu::{FrameBudget, PICTURE_FORMAT, SurfaceFrame};
+use ndf_inspector::filter::{Filter, LocalLight, Lookup, Method, Rival, Truth, UnalignedVmf, VmfFilter};
+use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame};
 use ndf_inspector::lit_surface::LevelChoice;
 use ndf_inspector::normal_map::Addressing;
 use ndf_inspector::reference::{self, Picture};
@@ -21,11 +21,11 @@ pub(super) fn on_processor(scene: &Scene, method: Method) -> Picture {
     let map = scene.map().clone();
     let base = (map.width, map.height);
     let vmf = || VmfFilter { lobes: Arc::new(scene.lobes.clone()), fold: scene.fold, rules: Rules::default() };
-    let filter: Box<dyn Filter> = match method {
-        Method::Truth => Box::new(Truth { map, samples: SAMPLES }),
-        Method::Mip => Box::new((*scene.mip).clone()),
-        Method::Vmf => Box::new(vmf()),
-        Method::VmfUnaligned => Box::new(UnalignedVmf(vmf())),
+    let filter: Arc<dyn Filter> = match method {
+        Method::Truth => Arc::new(Truth { map, samples: SAMPLES }),
+        Method::Vmf => Arc::new(vmf()),
+        Method::VmfUnaligned => Arc::new(UnalignedVmf(vmf())),
+        Method::Rival(rival) => scene.rival(rival),
     };
     reference::render(&scene.surface, &*filter, scene.size, scene.full_lod_range(), base)
 }
@@ -34,7 +34,9 @@ pub(super) fn on_processor(scene: &Scene, method: Method) -> Picture {
 pub(super) fn on_adapter(scene: &Scene, method: Method) -> Picture {
     let mut frame = SurfaceFrame::new(&gpu().device, PICTURE_FORMAT);
     frame.budget = FrameBudget { truth_limit: SAMPLES, truth_batch: 64, upload_bytes: 1 << 30 };
-    frame.complete(gpu(), &scene.input(method)).expect("the device works");
+    let channels = scene.channels(method);
+    let input = FrameInput { channels: [channels.as_ref(); 2], ..scene.input(method) };
+    frame.complete(gpu(), &input).expect("the device works");
     let texels = frame.linear(&gpu().device, &gpu().queue, method).expect("readable");
     Picture {
         size: scene.size,
@@ -102,8 +104,31 @@ fn truth_on_the_adapter_equals_its_twin() {
 }
 
 #[test]
-fn mip_on_the_adapter_equals_its_twin() {
-    assert_twins_everywhere(Method::Mip);
+fn rivals_of_the_mean_normals_on_the_adapter_equal_their_twins() {
+    assert_rivals_have_twins_everywhere(|rival| !rival.kind.has_channels);
+}
+
+#[test]
+fn rivals_with_channels_on_the_adapter_equal_their_twins() {
+    assert_rivals_have_twins_everywhere(|rival| rival.kind.has_channels);
+}
+
+/// Of each kind the last that is offered: the one of most channels.
+fn rivals() -> Vec<Rival> {
+    let mut rivals: Vec<Rival> = Rival::offered().collect();
+    rivals.reverse();
+    rivals.dedup_by_key(|rival| rival.kind.name);
+    rivals
+}
+
+fn methods() -> impl Iterator<Item = Method> {
+    rivals().into_iter().map(Method::Rival).chain([Method::Truth, Method::Vmf, Method::VmfUnaligned])
+}
+
+fn assert_rivals_have_twins_everywhere(chosen: impl Fn(&Rival) -> bool) {
+    for rival in rivals().into_iter().filter(chosen) {
+        assert_twins_everywhere(Method::Rival(rival));
+    }
 }
 
 #[test]
@@ -145,7 +170,7 @@ fn maps_of_any_size_and_either_addressing_have_twins() {
     for (width, height, addressing) in
         [(40, 23, Addressing::Clamp), (40, 23, Addressing::Wrap), (1, 7, Addressing::Wrap), (1, 1, Addressing::Clamp)]
     {
-        for method in Method::ALL {
+        for method in methods() {
             let mut scene = Scene::new(maps::rough(width, height, addressing), 3);
             scene.surface.shape = Shape { kind: ShapeKind::Sphere, tiling: [3.0, 2.0] };
             assert_twins(&scene, method, &format!("{method} of {width}x{height}, {addressing:?}"));
@@ -162,6 +187,21 @@ fn every_convolution_rule_has_a_twin() {
             scene.surface.material.shininess = shininess;
             scene.surface.exposure_stops = -1.0;
             assert_twins(&scene, Method::Vmf, &format!("{} at s {shininess}", rule.label()));
+        }
+    }
+}
+
+#[test]
+fn the_papers_multipliers_have_a_twin_and_so_have_soft_and_sharp_materials() {
+    for rival in Rival::offered().filter(|rival| rival.kind.has_channels) {
+        for (shininess, convolution) in
+            [(1.0, ConvolutionRule::Paper), (10.0, ConvolutionRule::Paper), (400.0, ConvolutionRule::ShiftedExponent)]
+        {
+            let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 1);
+            scene.surface.material.convolution = convolution;
+            scene.surface.material.shininess = shininess;
+            scene.surface.exposure_stops = -1.0;
+            assert_twins(&scene, Method::Rival(rival), &format!("{rival} at s {shininess}"));
         }
     }
 }
@@ -199,7 +239,7 @@ fn a_fixed_level_has_a_twin_whole_or_between_two() {
     let mut scene = Scene::new(maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color), 6);
     for level in [0.0, 0.4, 1.0, 2.7, 6.0, 9.0] {
         scene.surface.level = LevelChoice::Fixed(level);
-        for method in [Method::Mip, Method::Vmf, Method::VmfUnaligned] {
+        for method in methods().filter(|&method| method != Method::Truth) {
             if level < 6.0 {
                 assert_twins(&scene, method, &format!("{method} at level {level}"));
             } else {
@@ -223,7 +263,8 @@ fn a_flat_map_gives_the_same_picture_by_every_method_at_every_level() {
     let truth = on_adapter(&scene, Method::Truth);
     for level in 0..5 {
         scene.surface.level = LevelChoice::Fixed(level as f32);
-        for method in [Method::Mip, Method::Vmf, Method::VmfUnaligned] {
+        let of_mean_normals = Rival::offered().filter(|rival| !rival.kind.has_channels).map(Method::Rival);
+        for method in of_mean_normals.chain([Method::Vmf, Method::VmfUnaligned]) {
             let worst = differences(&on_adapter(&scene, method), &truth).into_iter().max();
             // One step: a lobe of 1/kappa = 1e-7 is not quite a delta, and rounding may fall either way.
             assert!(worst <= Some(1), "{method} at level {level}: {worst:?}");

@@ -9,6 +9,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use ndf_inspector::app::view_state::Layout;
 use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
+use ndf_inspector::filter::Method;
 use ndf_inspector::filter::vmf::{FitSettings, Fold};
 use ndf_inspector::normal_map::albedo::Albedo;
 use ndf_inspector::normal_map::pyramid::Texel;
@@ -72,6 +73,23 @@ fn every_rule_of_the_material_is_offered_by_name() {
     for rule in DiffuseRule::ALL.into_iter().rev() {
         assert_eq!(choose("Diffuse rule", rule.label()).diffuse_rule, rule);
     }
+}
+
+#[test]
+fn every_method_is_offered_by_name_and_drawn_once_it_is_built() {
+    let mut window = window(fitted("pyramid5", 64));
+    for method in Method::offered() {
+        window.get_by_label("Left method").click();
+        window.run();
+        window.get_by_label(&method.label()).click();
+        window.run();
+        assert_eq!(window.state().inspector.session.comparison.left, method);
+        let channels = |window: &Window| window.state().inspector.session.channels_of(method).is_some();
+        let expected = method.rival().is_some_and(|rival| rival.kind.has_channels);
+        step_until(&mut window, "the build", |window| channels(window) == expected);
+    }
+    let session = &window.state().inspector.session;
+    assert!(Method::offered().all(|method| session.channels_of(method).is_none()), "kept though not shown");
 }
 
 #[test]

@@ -42,6 +42,7 @@ const QUICK: FitSettings = FitSettings {
     iterations: 12,
     tolerance: 1e-4,
     kappa: ndf_inspector::sphere::vmf::KappaRule::Exact,
+    e_step: ndf_inspector::filter::vmf::EStep::WithAlpha,
 };
 
 /// A session of a small bundled map.

@@ -42,7 +42,7 @@ fn the_surface_by_each_method_and_at_a_wipe() {
     let mut window = window(fitted("plate", 128));
     window.state_mut().inspector.session.surface.camera.distance = 6.0;
     for (method, shape) in
-        [(Method::Truth, ShapeKind::Plane), (Method::Mip, ShapeKind::Sphere), (Method::Vmf, ShapeKind::Torus)]
+        [(Method::Truth, ShapeKind::Plane), (Method::MIP, ShapeKind::Sphere), (Method::Vmf, ShapeKind::Torus)]
     {
         let session = &mut window.state_mut().inspector.session;
         session.comparison = Comparison { left: method, right: method, wipe: 0.5 };
@@ -79,6 +79,19 @@ fn the_map_zoomed_by_normals_and_by_lobes() {
 }
 
 #[test]
+fn the_texel_in_numbers_with_the_trace_of_its_fit() {
+    let mut window = window(fitted("pyramid5", 64));
+    window.state_mut().inspector.session.select("4,1,2".parse().expect("a texel"));
+    window.state_mut().inspector.view.show_trace = true;
+    settle(&mut window);
+    let whole = window.render().expect("a picture");
+    let sphere = window.get_by_label("Sphere view").rect();
+    let (left, top) = (sphere.left() as u32, sphere.bottom() as u32);
+    let picture = image::imageops::crop_imm(&whole, left, top, 1280 - left, 768 - top).to_image();
+    compare(&picture, "texel_numbers");
+}
+
+#[test]
 fn a_fit_that_is_under_way() {
     // Its progress differs from run to run; what is covered is the rest of the window.
     let mut window = window(|_| {
@@ -92,6 +105,8 @@ fn a_fit_that_is_under_way() {
     let bar = window.get_by_label("Cancel fit").rect();
     let levels = window.get_by_label("Level 0").rect();
     let surface = window.get_by_label("Surface view").rect();
+    let kept = window.query_by_label_contains("kept ·").expect("the memory of kept fits is said").rect();
+    window.mask(kept);
     // Its text grows with the percentage.
     window.mask(status.with_max_x(1280.0));
     window.mask(bar.with_min_x(0.0));

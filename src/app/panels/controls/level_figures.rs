@@ -13,6 +13,9 @@ const ANGLE: &str =
 const ERROR: &str = "Relative error of interpolated lobes half way between texel centres, s = 64: the same blend of \
                      the true BRDFs is the truth.";
 
+const GROWN: &str = "The lobes started from those of the fit before and one more. A fit from the start may come to \
+                     slightly other ones.";
+
 /// The heads of the columns with their tooltips.
 const HEADS: [(&str, &str); 5] =
     [("level", "MIP level"), ("lobes", LOBES), ("lost", LOST), ("angle", ANGLE), ("between", ERROR)];
@@ -43,6 +46,10 @@ pub fn show(ui: &mut Ui, session: &Session) {
     let (count, bytes) = fitting.kept();
     let budget = crate::session::kept::BUDGET >> 20;
     let fits = if count == 1 { "1 fit kept".to_owned() } else { format!("{count} fits kept") };
+    if fitting.is_grown() {
+        let text = format!("grown from J = {} · Refit starts afresh", fitting.settings().lobes - 1);
+        ui.label(RichText::new(text).small().color(theme::WEAK)).on_hover_text(GROWN);
+    }
     let text = format!("{fits} · {} of {budget} MiB", bytes.div_ceil(1 << 20));
     ui.label(RichText::new(text).small().color(theme::WEAK))
         .on_hover_text("Finished fits of recent settings: going back to them costs nothing.");

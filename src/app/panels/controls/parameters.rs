@@ -19,6 +19,8 @@ pub(super) const HEIGHTS: &str = "Reads the image as heights and takes the norma
 pub(super) const EDGES: &str = "What lies beyond an edge of the map.";
 pub(super) const KAPPA: &str = "How a lobe's concentration follows from its mean length: the exact inverse of \
                                 A(kappa) = coth(kappa) - 1/kappa, or the papers' closed form, up to 5 % off.";
+pub(super) const E_STEP: &str = "How normals are shared between lobes: by alpha times density, or by density alone as \
+                                 Algorithm 1 is printed, an error.";
 pub(super) const ALIGNMENT: &str =
     "How lobe j of neighbouring texels is made to mean the same thing, so that hardware may interpolate it.";
 pub(super) const SELECTION: &str = "How many lobes a texel gets: J of them, or as few as a criterion is content with. The BRDF's error is that of \

@@ -1,0 +1,26 @@
+// Twin of filter/lean.rs.
+
+const LEAST_HALF_Z: f32 = 0.02;
+
+// The density of half vectors, per steradian: a Gaussian over slopes, widened by the material's own.
+fn slope_density(first: vec4f, second: vec4f, exponent: f32, half: vec3f) -> f32 {
+    if half.z <= LEAST_HALF_Z {
+        return 0.0;
+    }
+    let own = 1.0 / exponent;
+    let variance = max(first.zw - first.xy * first.xy, vec2f(0.0)) + own;
+    let covariance = second.x - first.x * first.y;
+    let determinant = max(variance.x * variance.y - covariance * covariance, own * own);
+    let d = half.xy / half.z - first.xy;
+    let squared = (variance.y * d.x * d.x - 2.0 * covariance * d.x * d.y + variance.x * d.y * d.y) / determinant;
+    return exp(-0.5 * max(squared, 0.0)) / (TAU * sqrt(determinant)) / (half.z * half.z * half.z);
+}
+
+fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec3f {
+    let first = channel_layer(lookup, lod, 0u);
+    let second = channel_layer(lookup, lod, 1u);
+    let specular = slope_density(first, second, material.shininess, light.half_in_tangent);
+    let cosine = max(dot(normalize(vec3f(first.xy, 1.0)), light.light_in_tangent), 0.0);
+    return cosine
+        * (material.specular * specular * material.specular_color + material.diffuse * material.diffuse_color);
+}

@@ -1,0 +1,13 @@
+// Twin of filter/toksvig.rs.
+
+fn widened_exponent(length: f32, exponent: f32) -> f32 {
+    let bounded = min(length, 1.0);
+    return exponent * bounded / (bounded + exponent * (1.0 - bounded));
+}
+
+fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec3f {
+    let mean = mean_normal(lookup, lod);
+    let normal = normalize_or_zero(mean);
+    let exponent = widened_exponent(length(mean), material.shininess);
+    return reflect(material, exponent, dot(normal, light.half_in_tangent), dot(normal, light.light_in_tangent));
+}

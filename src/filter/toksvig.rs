@@ -1,0 +1,88 @@
+//! Toksvig's factor: the shorter the mean normal, the wider the highlight.
+//!
+//! M. Toksvig, *Mipmapping normal maps*, 2004. With the mean normal `N`, not normalised, and the exponent s,
+//! `f = |N| / (|N| + s (1 - |N|))`; the exponent becomes `f s` and an unnormalised Blinn-Phong lobe is scaled by
+//! `(1 + f s)/(1 + s)`, which is to say that the normalised lobe of exponent `f s` is taken. The diffuse part is that
+//! of the normalised mean normal. Isotropic, and blind to what makes `N` short: two facets or one rough one.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+
+use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
+use super::{Filter, LocalLight, Lookup, PlainMip, reflect};
+use crate::brdf::{BlinnPhong, Brdf, Material};
+use crate::normal_map::pyramid::Texel;
+
+/// `toksvig`.
+pub static KIND: RivalKind = RivalKind {
+    name: "toksvig",
+    label: "Toksvig",
+    parameter: None,
+    has_channels: false,
+    shader: include_str!("../../shaders/methods/toksvig.wgsl"),
+    build,
+};
+
+fn build(source: &Source<'_>, _: Rival) -> Built {
+    Ok(Arc::new(Toksvig { mip: Arc::clone(source.mip) }))
+}
+
+/// Toksvig's factor on the mean normals.
+#[derive(Clone, Debug)]
+pub struct Toksvig {
+    /// The mean normals.
+    pub mip: Arc<PlainMip>,
+}
+
+/// `f s`: the exponent that Blinn-Phong of exponent s takes over a mean normal of this length.
+pub fn widened_exponent(length: f32, exponent: f32) -> f32 {
+    let length = length.min(1.0);
+    exponent * length / (length + exponent * (1.0 - length))
+}
+
+impl RivalFilter for Toksvig {}
+
+impl Filter for Toksvig {
+    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
+        let mean = self.mip.of_texel(texel);
+        let cosine = mean.as_dvec3().try_normalize().unwrap_or(DVec3::Z).dot(omega);
+        match brdf {
+            Brdf::Lambert => brdf.zonal(cosine),
+            Brdf::BlinnPhong(BlinnPhong { shininess }) => {
+                let length = mean.as_dvec3().length().min(1.0);
+                let shininess = shininess * length / (length + shininess * (1.0 - length));
+                BlinnPhong { shininess }.zonal(cosine)
+            }
+        }
+    }
+
+    fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
+        let mean = self.mip.mean(lookup);
+        let normal = mean.normalize_or_zero();
+        let exponent = widened_exponent(mean.length(), material.shininess);
+        let (half, cosine) = (normal.dot(light.half_in_tangent), normal.dot(light.light_in_tangent));
+        self.mip.color(lookup) * reflect(material, exponent, half, cosine)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_length_leaves_the_exponent_alone_and_a_zero_one_levels_it() {
+        assert_eq!(widened_exponent(1.0, 64.0), 64.0);
+        assert_eq!(widened_exponent(0.0, 64.0), 0.0);
+    }
+
+    #[test]
+    fn the_widened_exponent_is_that_of_added_variances() {
+        // The factor comes of a Gaussian's |N| = 1/(1 + sigma^2), whose variance adds to the lobe's 1/s.
+        for (variance, exponent) in [(0.01_f32, 64.0_f32), (0.3, 10.0)] {
+            let expected = 1.0 / (1.0 / exponent + variance);
+            let found = widened_exponent(1.0 / (1.0 + variance), exponent);
+            assert!((found / expected - 1.0).abs() < 1e-5, "{found} against {expected}");
+        }
+    }
+}
