@@ -55,12 +55,13 @@ fn read(from: &CrowdChannels, least: f32, lobes: &mut CrowdLobes) {
         let [stored, vector @ ..] = &from.channels[j];
         for i in 0..LANES {
             let used = stored.0[i] > EMPTY_WEIGHT;
-            let inverse = if used { 1.0 / stored.0[i] } else { 0.0 };
+            // Divided, not multiplied by the inverse: a second rounding would be seen in the kappa of sharp lobes.
+            let divisor = if used { stored.0[i] } else { f32::INFINITY };
             let alpha = if used { stored.0[i].max(least) } else { 0.0 };
             lobes.alpha[j].0[i] = alpha;
             total[i] += alpha;
             for axis in 0..3 {
-                lobes.resultant[j][axis].0[i] = vector[axis].0[i] * inverse;
+                lobes.resultant[j][axis].0[i] = vector[axis].0[i] / divisor;
             }
         }
     }
