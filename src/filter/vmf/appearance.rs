@@ -7,12 +7,18 @@
 //! Such steps from aligned lobes mend the texel (s = 64: .0226 to .0201) and spoil the blend midway between texels
 //! (.0411 to .0455), for neighbours then disagree again: there [`super::between`] moves all texels together.
 
+use std::ops::Range;
+
 use super::children::Children;
+use super::crowd::{self, CrowdLobes, CrowdStop};
 use super::em::{self, Stop, TexelFit, TexelLobes};
 use super::gauss_newton;
+use super::lanes::LANES;
 use super::merge::{Blurred, Candidates, Ward};
-use super::samples::Samples;
-use super::unaligned::TexelTask;
+use super::samples::{FootprintSamples, Samples};
+use super::seed;
+use super::unaligned::{LevelFit, TexelTask, small};
+use crate::normal_map::pyramid::Footprint;
 
 /// EM iterations between the merge and the steps.
 pub const ITERATIONS: usize = 5;
@@ -36,6 +42,47 @@ fn merged(children: &Children<'_>, normals: usize, slots: usize) -> TexelLobes {
         candidates.merge_down_to(slots, &criterion);
     }
     candidates.to_lobes(slots)
+}
+
+/// Fits at most [`LANES`] small texels as a crowd, all but the merge and the steps, and shows each to `keep` with its
+/// place among them. Returns their normals, or `None` where the footprints are too large for a crowd.
+pub fn fit_crowd(
+    job: &LevelFit<'_>,
+    texels: Range<usize>,
+    steps: usize,
+    keep: &mut dyn FnMut(usize, &TexelFit),
+) -> Option<usize> {
+    let (map, settings) = (job.lobes.map.as_ref(), job.settings);
+    crowd::with_crowd(map, map.level_size(job.level), texels.start, texels.len(), |samples, footprints| {
+        let mut lobes = CrowdLobes::empty(settings.lobes, settings.kappa);
+        let (mut iterations, mut searched) = ([0; LANES], [false; LANES]);
+        for (lane, footprint) in footprints.iter().enumerate() {
+            let exact = small(footprint, settings.lobes).then(|| seed::exact(map, footprint, settings.lobes)).flatten();
+            searched[lane] = exact.is_none();
+            iterations[lane] = if searched[lane] { ITERATIONS.min(settings.iterations) } else { 0 };
+            let merge = || merged(&job.children(texels.start + lane), footprint.len(), settings.lobes);
+            lobes.set(lane, &exact.unwrap_or_else(merge));
+        }
+        let mut run = |lobes: &mut CrowdLobes, iterations: [usize; LANES]| {
+            lobes.prepare();
+            samples.fit(lobes, &CrowdStop { iterations, tolerance: f32::NEG_INFINITY })
+        };
+        let total = run(&mut lobes, iterations).total;
+        let mut fitted = [TexelLobes::empty(settings.lobes); LANES];
+        for (lane, footprint) in footprints.iter().enumerate() {
+            fitted[lane] = lobes.texel(lane, total[lane]);
+            let steps = if searched[lane] { steps } else { 0 };
+            gauss_newton::refine(&FootprintSamples::new(map, *footprint), &mut fitted[lane], steps, &mut || true);
+            lobes.set(lane, &fitted[lane]);
+        }
+        let outcome = run(&mut lobes, [0; LANES]);
+        for (lane, lobes) in fitted[..footprints.len()].iter().enumerate() {
+            let lobes = lobes.settled(settings.kappa);
+            let mean_log_likelihood = f64::from(outcome.mean_log_likelihood[lane]);
+            keep(lane, &TexelFit { lobes, mean_log_likelihood, iterations: iterations[lane] });
+        }
+        footprints.iter().map(Footprint::len).sum()
+    })
 }
 
 /// Fits one texel.

@@ -5,17 +5,21 @@
 //! 4, and the eight neighbours, of weight 1 and 1/4: one pass over visited neighbours only, then three full sweeps,
 //! in the order of [`diagonals`].
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::monitor::{Cancelled, Monitor};
 use super::pyramid::{BaseSlots, LobePyramid, MixtureLevel};
 use super::scanline::diagonals;
 use super::smooth::{coarse_taps, neighbour};
+use crate::sphere::StoredLobe;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 
 /// Full sweeps after the first pass.
 const SWEEPS: usize = 3;
+
+/// Texels of a diagonal that one thread has chosen for before another would have woken up.
+const ALONE: usize = 256;
 
 /// Total weight of the level-1 texels around, against 1 for an edge neighbour.
 const COARSE_WEIGHT: f32 = 4.0;
@@ -34,6 +38,13 @@ pub fn choose(lobes: &LobePyramid, monitor: &Monitor) -> Result<BaseSlots, Cance
     let Some(coarse) = lobes.level(1).filter(|coarse| coarse.lobes > 1) else {
         return Ok(first(map.len()));
     };
+    // On a thread of the pool: a diagonal at a time, one from outside would wake it up thousands of times.
+    rayon::scope(|_| sweep(lobes, coarse, monitor))
+}
+
+fn sweep(lobes: &LobePyramid, coarse: &MixtureLevel, monitor: &Monitor) -> Result<BaseSlots, Cancelled> {
+    let map = &lobes.map;
+    let pull = CoarseCosts::new(coarse);
     let mut slots = vec![UNVISITED; map.len()];
     let mut chosen = Vec::new();
     for _ in 0..=SWEEPS {
@@ -41,12 +52,12 @@ pub fn choose(lobes: &LobePyramid, monitor: &Monitor) -> Result<BaseSlots, Cance
             if monitor.is_cancelled() {
                 return;
             }
-            let choose = |&texel: &(usize, usize)| best_slot(lobes, coarse, &slots, texel);
-            if texels.len() < 64 {
+            let choose = |&texel: &(usize, usize)| best_slot(lobes, &pull, &slots, texel);
+            if texels.len() < ALONE {
                 chosen.clear();
                 chosen.extend(texels.iter().map(choose));
             } else {
-                texels.par_iter().with_min_len(32).map(choose).collect_into_vec(&mut chosen);
+                texels.par_iter().with_min_len(ALONE / 2).map(choose).collect_into_vec(&mut chosen);
             }
             texels.iter().zip(&chosen).for_each(|(&(x, y), &slot)| slots[y * map.width + x] = slot);
         });
@@ -56,22 +67,16 @@ pub fn choose(lobes: &LobePyramid, monitor: &Monitor) -> Result<BaseSlots, Cance
     Ok(BaseSlots { slots })
 }
 
-fn best_slot(lobes: &LobePyramid, coarse: &MixtureLevel, slots: &[u8], (x, y): (usize, usize)) -> u8 {
+fn best_slot(lobes: &LobePyramid, pull: &CoarseCosts<'_>, slots: &[u8], (x, y): (usize, usize)) -> u8 {
     let map = &lobes.map;
     let addressing = map.options.addressing;
     let Some(normal) = map.normal(y * map.width + x) else { return 0 };
-    let mut cost = [0.0_f32; MAX_LOBES];
-    for (index, weight) in coarse_taps(coarse, (map.width, map.height), (x, y), addressing) {
-        let start = index * coarse.lobes;
-        for (slot, stored) in coarse.stored[start..start + coarse.lobes].iter().enumerate() {
-            cost[slot] += COARSE_WEIGHT * weight * merge_cost(normal, *stored);
-        }
-    }
+    let taps = coarse_taps(pull.level, (map.width, map.height), (x, y), addressing);
+    let mut cost = pull.costs(normal, &taps);
     for dy in -1..=1 {
+        let Some(row) = neighbour(y, dy, map.height, addressing) else { continue };
         for dx in -1..=1 {
-            let column = neighbour(x, dx, map.width, addressing);
-            let row = neighbour(y, dy, map.height, addressing);
-            let (Some(column), Some(row), true) = (column, row, (dx, dy) != (0, 0)) else { continue };
+            let (Some(column), true) = (neighbour(x, dx, map.width, addressing), (dx, dy) != (0, 0)) else { continue };
             let index = row * map.width + column;
             if let (slot @ 0..16, Some(other)) = (usize::from(slots[index]), map.normal(index)) {
                 let weight = if dx == 0 || dy == 0 { 1.0 } else { 0.25 };
@@ -79,16 +84,60 @@ fn best_slot(lobes: &LobePyramid, coarse: &MixtureLevel, slots: &[u8], (x, y): (
             }
         }
     }
-    let least = (0..coarse.lobes).min_by(|&a, &b| cost[a].total_cmp(&cost[b]));
+    let least = (0..pull.level.lobes).min_by(|&a, &b| cost[a].total_cmp(&cost[b]));
     least.unwrap_or(0) as u8
 }
 
-/// What merging the lobe `(1, normal)` with a stored one would cost.
-fn merge_cost(normal: Vec3, stored: [f32; 4]) -> f32 {
-    let alpha = stored[0];
-    if alpha < EMPTY_WEIGHT {
-        return 0.0;
+/// What merging the lobe `(1, n)` with each lobe of level 1 would cost, as a function of n.
+///
+/// `a / (1 + a) |n - r|^2` is, for a unit vector, `c0 - c.n` with `c0 = a / (1 + a) (1 + |r|^2)` and
+/// `c = 2 a / (1 + a) r`: blends of such functions are blends of four numbers.
+struct CoarseCosts<'a> {
+    level: &'a MixtureLevel,
+    /// `(c, c0)`, in the order of the level's lobes; zeros for an empty slot, with which a merge is free.
+    linear: Vec<Vec4>,
+}
+
+impl<'a> CoarseCosts<'a> {
+    fn new(level: &'a MixtureLevel) -> Self {
+        Self { level, linear: level.stored.par_iter().map(|&stored| linear_cost(stored)).collect() }
     }
-    let resultant = Vec3::new(stored[1], stored[2], stored[3]) / alpha;
-    alpha / (1.0 + alpha) * normal.distance_squared(resultant)
+
+    /// The cost of each slot of the blend of texels `taps`.
+    fn costs(&self, normal: Vec3, taps: &[(usize, f32); 4]) -> [f32; MAX_LOBES] {
+        let count = self.level.lobes;
+        let mut costs = [0.0; MAX_LOBES];
+        let of = taps.map(|(index, _)| &self.linear[index * count..(index + 1) * count]);
+        for (slot, cost) in costs.iter_mut().enumerate().take(count) {
+            let linear: Vec4 = of.iter().zip(taps).map(|(of, tap)| tap.1 * of[slot]).sum();
+            *cost = COARSE_WEIGHT * (linear.w - linear.truncate().dot(normal));
+        }
+        costs
+    }
+}
+
+fn linear_cost([alpha, x, y, z]: StoredLobe) -> Vec4 {
+    if alpha < EMPTY_WEIGHT {
+        return Vec4::ZERO;
+    }
+    let resultant = Vec3::new(x, y, z) / alpha;
+    let factor = alpha / (1.0 + alpha);
+    (2.0 * factor * resultant).extend(factor * (1.0 + resultant.length_squared()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_linear_cost_is_the_merge_cost() {
+        let normal = Vec3::new(0.3, -0.2, 0.9).normalize();
+        for stored in [[0.4, 0.1, 0.05, 0.3], [1.0, 0.0, 0.0, 1.0], [0.0; 4]] {
+            let linear = linear_cost(stored);
+            let cost = linear.w - linear.truncate().dot(normal);
+            let resultant = Vec3::new(stored[1], stored[2], stored[3]) / stored[0].max(EMPTY_WEIGHT);
+            let exact = stored[0] / (1.0 + stored[0]) * normal.distance_squared(resultant);
+            assert!((cost - exact).abs() < 1e-6, "{cost} {exact}");
+        }
+    }
 }

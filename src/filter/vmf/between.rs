@@ -17,7 +17,7 @@
 
 use rayon::prelude::*;
 
-use super::cholesky;
+use super::cholesky::{self, MOST, Matrix};
 use super::fit::{Alignment, FitSettings};
 use super::looks::{self, Looks};
 use super::monitor::{Cancelled, Monitor};
@@ -55,9 +55,6 @@ const RAISED: f64 = 8.0;
 
 /// What an unknown's share of the largest on the diagonal is to count as one.
 const IDLE: f64 = 1e-7;
-
-/// Most unknowns of a texel.
-const MOST: usize = EACH * MAX_LOBES;
 
 /// Rows of texels that one task works through are a level's height over this, so that few corners are met twice.
 const TASKS: usize = 16;
@@ -129,7 +126,7 @@ struct Rows {
     below: Vec<f32>,
     own: Vec<f32>,
     sum: Vec<f32>,
-    matrix: Box<[[f64; MOST]; MOST]>,
+    matrix: Box<Matrix>,
 }
 
 impl Joint<'_> {

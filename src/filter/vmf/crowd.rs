@@ -10,7 +10,7 @@
 use std::cell::RefCell;
 use std::f32::consts::LOG2_E;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4Swizzles};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
@@ -20,11 +20,12 @@ use super::lanes::{LANES, Lanes};
 use super::lobe_lanes::LobeLanes;
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Footprint;
+use crate::sphere::StoredLobe;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf::KappaRule;
 
 /// Most normals of a footprint that joins a crowd: those of level 3, with room for sizes that are no power of two.
-pub const MOST_NORMALS: usize = 96;
+pub const MOST_NORMALS: usize = 100;
 
 /// The normals of a crowd's texels, the first of every texel before the second of any.
 pub struct CrowdSamples {
@@ -41,8 +42,15 @@ thread_local! {
     static SAMPLES: RefCell<CrowdSamples> = RefCell::default();
 }
 
+/// The most normals that a footprint of a level of size `size` may have; those whose boxes cut base texels reach one
+/// further on either side.
+pub fn most_normals(map: &NormalMap, size: (usize, usize)) -> usize {
+    let along = |base: usize, count: usize| if base.is_multiple_of(count) { base / count } else { base / count + 2 };
+    along(map.width, size.0) * along(map.height, size.1)
+}
+
 /// Gathers the normals of the `count` texels from `first` on of a level of size `size`, row by row, and shows them to
-/// `visit`, with their footprints; `None` where a footprint is too large for a crowd.
+/// `visit`, with their footprints; `None` where footprints of the level may be too large for a crowd.
 pub fn with_crowd<R>(
     map: &NormalMap,
     size: (usize, usize),
@@ -50,16 +58,13 @@ pub fn with_crowd<R>(
     count: usize,
     visit: impl FnOnce(&mut CrowdSamples, &[Footprint]) -> R,
 ) -> Option<R> {
+    if most_normals(map, size) > MOST_NORMALS {
+        return None;
+    }
     let footprint = |index: usize| Footprint::new((map.width, map.height), size, (index % size.0, index / size.0));
     let mut footprints = [footprint(first); LANES];
-    if footprints[0].len() > MOST_NORMALS {
-        return None;
-    }
     let footprints = &mut footprints[..count.min(LANES)];
     footprints.iter_mut().enumerate().for_each(|(lane, own)| *own = footprint(first + lane));
-    if footprints.iter().any(|footprint| footprint.len() > MOST_NORMALS) {
-        return None;
-    }
     Some(SAMPLES.with_borrow_mut(|samples| {
         samples.gather(map, footprints);
         visit(samples, footprints)
@@ -100,9 +105,9 @@ pub struct CrowdLobes {
     pub count: usize,
     rule: KappaRule,
     /// Weights; 0 is an empty slot.
-    alpha: [Lanes; MAX_LOBES],
+    pub(super) alpha: [Lanes; MAX_LOBES],
     /// Mean resultant vectors, by axis.
-    resultant: [[Lanes; 3]; MAX_LOBES],
+    pub(super) resultant: [[Lanes; 3]; MAX_LOBES],
     /// The lobes of the E-step.
     lobes: [LobeLanes; MAX_LOBES],
 }
@@ -170,6 +175,18 @@ impl CrowdLobes {
                 self.resultant[j][axis].0[lane] = other.resultant[j][axis].0[lane];
                 own.mu[axis].0[lane] = theirs.mu[axis].0[lane];
             }
+        }
+    }
+
+    /// Writes one texel's mixture to its slots; `total` is the weight of its normals, as for [`Self::texel`].
+    pub fn store(&self, lane: usize, total: f32, target: &mut [StoredLobe]) {
+        if total <= 0.0 {
+            return TexelLobes::flat(self.count).store(target);
+        }
+        for ((alpha, resultant), stored) in self.alpha.iter().zip(&self.resultant).zip(target) {
+            let [x, y, z] = resultant;
+            let r = Vec3::new(x.0[lane], y.0[lane], z.0[lane]).clamp_length_max(1.0);
+            *stored = (alpha.0[lane] * r.extend(1.0)).wxyz().to_array();
         }
     }
 

@@ -7,11 +7,11 @@
 //! which is taken out of the equations and divided out of the step. Damping is Marquardt's (1963), in proportion to
 //! the diagonal. A step is kept only if Phi falls.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use glam::DVec3;
 
-use super::cholesky;
+use super::cholesky::{self, MOST, Matrix};
 use super::em::TexelLobes;
 use super::phi::{Evaluation, LobeStep, MOMENTS, Pair, Parameters, pair_index};
 use super::samples::Samples;
@@ -20,9 +20,6 @@ use crate::sphere::mixture::MAX_LOBES;
 
 /// Parameters of a lobe: weight, two tangents, concentration.
 const EACH: usize = 4;
-
-/// Most unknowns.
-const MOST: usize = EACH * MAX_LOBES;
 
 /// The first step's damping; it falls by [`EASED`] where a step is kept and rises by [`RAISED`] where it is not.
 const DAMPING: f64 = 3e-2;
@@ -48,11 +45,25 @@ pub fn refine(samples: &impl Samples, lobes: &mut TexelLobes, steps: usize, proc
     if steps == 0 {
         return;
     }
-    // Two places that change roles where a step is kept.
-    let mut places = [Evaluation::empty(Parameters::of(lobes)), Evaluation::empty(Parameters::of(lobes))];
-    let [here, there] = &mut places;
+    // Taken while they are in use: summing in parallel, a thread may meanwhile begin with another texel.
+    let mut places = PLACES.take().unwrap_or_else(|| {
+        let empty = || Evaluation::empty(Parameters::of(lobes));
+        Box::new([empty(), empty()])
+    });
+    refine_with(&mut places, samples, lobes, steps, proceed);
+    PLACES.set(Some(places));
+}
+
+/// As [`refine`]; the two places change roles where a step is kept.
+fn refine_with(
+    [here, there]: &mut [Evaluation; 2],
+    samples: &impl Samples,
+    lobes: &mut TexelLobes,
+    steps: usize,
+    proceed: &mut dyn FnMut() -> bool,
+) {
     let (mut here, mut there) = (here, there);
-    if !here.move_to(samples, here.at) {
+    if !here.move_to(samples, Parameters::of(lobes)) {
         return;
     }
     let weights = here.weights();
@@ -79,12 +90,15 @@ pub fn refine(samples: &impl Samples, lobes: &mut TexelLobes, steps: usize, proc
 struct Equations {
     unknowns: usize,
     /// Row by row, the part on and above the diagonal; rows [`MOST`] apart.
-    matrix: [[f64; MOST]; MOST],
+    matrix: Matrix,
     /// Half of Phi's gradient.
     gradient: [f64; MOST],
 }
 
 thread_local! {
+    /// Two for each thread, 48 KiB, of which a texel fills what it needs.
+    static PLACES: Cell<Option<Box<[Evaluation; 2]>>> = const { Cell::new(None) };
+
     /// One for each thread, 32 KiB, of which a step fills what it needs.
     static EQUATIONS: RefCell<Box<Equations>> =
         RefCell::new(Box::new(Equations { unknowns: 0, matrix: [[0.0; MOST]; MOST], gradient: [0.0; MOST] }));

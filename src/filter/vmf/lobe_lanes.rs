@@ -58,8 +58,15 @@ fn concentration<const FMA: bool>(shortfall: f32, rule: KappaRule) -> f32 {
     let shortfall = shortfall.clamp(1e-9, 1.0);
     let square = 1.0 - shortfall;
     let banerjee = square.sqrt() * (3.0 - square) / shortfall;
-    let correction = polynomial::<FMA, 14>(
-        square - shortfall,
+    let correction = banerjee_correction::<FMA>(square - shortfall);
+    if rule == KappaRule::Exact { banerjee * correction } else { banerjee }
+}
+
+/// What Banerjee's closed form is to be multiplied by, a polynomial of `2 r^2 - 1`.
+#[inline(always)]
+pub fn banerjee_correction<const FMA: bool>(x: f32) -> f32 {
+    polynomial::<FMA, 14>(
+        x,
         [
             9.007_063e-3,
             9.999_03e-3,
@@ -76,8 +83,7 @@ fn concentration<const FMA: bool>(shortfall: f32, rule: KappaRule) -> f32 {
             -3.436_566_6e-2,
             9.582_098e-1,
         ],
-    );
-    if rule == KappaRule::Exact { banerjee * correction } else { banerjee }
+    )
 }
 
 /// The density at the peak, `kappa / (2 pi (1 - exp(-2 kappa)))`; `x / (1 - exp(-x))` cancels near 0, its series does

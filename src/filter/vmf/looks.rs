@@ -5,6 +5,7 @@
 //! same blend of theirs, and the look of a level follows from the finer one where boxes nest.
 
 use multiversion::multiversion;
+use multiversion::target::target_cfg_f;
 use rayon::prelude::*;
 
 use super::kernel::SampleSlices;
@@ -107,6 +108,7 @@ impl std::ops::AddAssign<&Self> for LookSum {
     "x86_64+sse4.1"
 ))]
 fn accumulate(samples: &SampleSlices, directions: &Directions, neg_half_kappa: f32, sum: &mut LookSum) {
+    const FMA: bool = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
     for group in 0..directions.len() / LANES {
         let range = group * LANES..(group + 1) * LANES;
         let (x, y, z) = (&directions.x[range.clone()], &directions.y[range.clone()], &directions.z[range.clone()]);
@@ -115,7 +117,7 @@ fn accumulate(samples: &SampleSlices, directions: &Directions, neg_half_kappa: f
             let (nx, ny, nz, w) = (samples.x[n], samples.y[n], samples.z[n], samples.w[n]);
             for i in 0..LANES {
                 let (dx, dy, dz) = (x[i] - nx, y[i] - ny, z[i] - nz);
-                acc[i] += w * exp_of_negative::<false>(neg_half_kappa * (dx * dx + dy * dy + dz * dz));
+                acc[i] += w * exp_of_negative::<FMA>(neg_half_kappa * (dx * dx + dy * dy + dz * dz));
             }
         }
         sum.value[range].iter_mut().zip(acc).for_each(|(sum, value)| *sum += value);

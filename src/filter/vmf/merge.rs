@@ -184,15 +184,22 @@ impl Candidates {
     }
 
     fn partner(&self, i: usize, index: usize, criterion: &impl Criterion) -> Partner {
-        let (a, b) = (&self.lobes[i], &self.lobes[index]);
-        let height = a.alpha * a.resultant.z + b.alpha * b.resultant.z;
-        Partner { index, cost: criterion.pair_cost(a, b) as f32, height: height as f32 }
+        let cost = criterion.pair_cost(&self.lobes[i], &self.lobes[index]) as f32;
+        Partner { index, cost, height: self.height(i, index) }
+    }
+
+    fn height(&self, i: usize, index: usize) -> f32 {
+        let of = |i: usize| self.lobes[i].alpha * self.lobes[i].resultant.z;
+        (of(i) + of(index)) as f32
     }
 
     fn partner_of(&self, i: usize, criterion: &impl Criterion) -> Partner {
         let mut best = Partner::NONE;
         for index in i + 1..self.count {
-            best = best.cheaper(self.partner(i, index, criterion));
+            let cost = criterion.pair_cost(&self.lobes[i], &self.lobes[index]) as f32;
+            if cost <= best.cost {
+                best = best.cheaper(Partner { index, cost, height: self.height(i, index) });
+            }
         }
         best
     }

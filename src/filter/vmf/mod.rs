@@ -10,6 +10,7 @@ pub mod cholesky;
 pub mod coherence;
 pub mod color;
 pub mod crowd;
+pub mod crowd_channels;
 pub mod crowd_em;
 pub mod em;
 pub mod first;

@@ -14,6 +14,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::em::TexelLobes;
+use super::lanes::exp_of_negative;
+use super::lobe_lanes::banerjee_correction;
 use super::samples::Samples;
 use super::shaded::{self, MATERIALS, ShadedLobes, ShadedSums};
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
@@ -41,7 +43,8 @@ pub struct Width {
 }
 
 impl Width {
-    /// Of a concentration above 0. With `e = exp(-2K)`, `coth K = (1+e)/(1-e)` and `1/sinh^2 K = 4e/(1-e)^2`.
+    /// Of a concentration above 0. With `e = exp(-2K)`, `coth K = (1+e)/(1-e)` and `1/sinh^2 K = 4e/(1-e)^2`. To 2e-5:
+    /// e is in single precision.
     pub fn of_kappa(kappa: f64) -> Self {
         let inverse = 1.0 / kappa;
         let square = inverse * inverse;
@@ -50,34 +53,43 @@ impl Width {
             let (length, curvature) = (1.0 - inverse, -2.0 * square * inverse);
             return Self { kappa, length, slope: square, curvature, peak: kappa / TAU };
         }
-        if kappa < 0.05 {
-            // The closed forms cancel; their series do not.
-            let (length, slope) = (vmf::mean_resultant_length(kappa), 1.0 / 3.0 - kappa * kappa / 15.0);
-            return Self { kappa, length, slope, curvature: -2.0 * kappa / 15.0, peak: vmf::log_peak(kappa).exp() };
+        if kappa < 0.3 {
+            return Self::of_small_kappa(kappa);
         }
-        let e = (-2.0 * kappa).exp();
-        let coth = (1.0 + e) / (1.0 - e);
-        let csch_squared = 4.0 * e / ((1.0 - e) * (1.0 - e));
+        let e = f64::from(exp_of_negative::<false>((-2.0 * kappa) as f32));
+        let inverse_rest = 1.0 / (1.0 - e);
+        let coth = (1.0 + e) * inverse_rest;
+        let csch_squared = 4.0 * e * inverse_rest * inverse_rest;
         Self {
             kappa,
             length: coth - inverse,
             slope: square - csch_squared,
             curvature: 2.0 * (csch_squared * coth - square * inverse),
-            peak: kappa / (TAU * (1.0 - e)),
+            peak: kappa * inverse_rest / TAU,
         }
     }
 
-    /// Of a length between 0 and 1: Banerjee's closed form, then Newton's method; to 1e-5.
+    /// Where the closed forms cancel, their series in K: `A = K/3 - K^3/45 + 2 K^5/945 - K^7/4725`.
+    fn of_small_kappa(kappa: f64) -> Self {
+        let k2 = kappa * kappa;
+        Self {
+            kappa,
+            length: kappa * (1.0 / 3.0 - k2 * (1.0 / 45.0 - k2 * (2.0 / 945.0 - k2 / 4725.0))),
+            slope: 1.0 / 3.0 - k2 * (1.0 / 15.0 - k2 * (2.0 / 189.0 - k2 / 675.0)),
+            curvature: kappa * (-2.0 / 15.0 + k2 * (8.0 / 189.0 - k2 * 6.0 / 675.0)),
+            peak: (1.0 + kappa + k2 * (1.0 / 3.0 - k2 * (1.0 / 45.0 - k2 * 2.0 / 945.0))) / (2.0 * TAU),
+        }
+    }
+
+    /// Of a length between 0 and 1, by the E-step's inverse without iterations; to 1e-5.
     pub fn of_length(length: f64) -> Self {
         let shortfall = 1.0 - length;
         if shortfall < 0.05 {
             return Self::of_kappa(1.0 / shortfall);
         }
-        let mut kappa = length * (3.0 - length * length) / (shortfall * (1.0 + length));
-        for _ in 0..2 {
-            let width = Self::of_kappa(kappa.max(1e-6));
-            kappa -= (width.length - length) / width.slope;
-        }
+        let square = length * length;
+        let banerjee = length * (3.0 - square) / (1.0 - square);
+        let kappa = banerjee * f64::from(banerjee_correction::<false>((2.0 * square - 1.0) as f32));
         Self::of_kappa(kappa.max(1e-6))
     }
 }
@@ -237,7 +249,8 @@ impl Evaluation {
                 for j in 0..=k {
                     let width = Width::of_length(moment * own[j].length * own[k].length);
                     let exponent = -0.5 * width.kappa * at.mu[j].distance_squared(at.mu[k]);
-                    pairs[pair_index(j, k)] = Pair { value: width.peak * exponent.exp(), width };
+                    let density = f64::from(exp_of_negative::<false>(exponent as f32));
+                    pairs[pair_index(j, k)] = Pair { value: width.peak * density, width };
                 }
             }
         }
@@ -306,4 +319,29 @@ fn data_terms(
         }
     }
     Some(terms)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_width_has_the_derivatives_of_its_length() {
+        for exponent in -40..=50 {
+            let kappa = 10.0_f64.powf(f64::from(exponent) / 10.0);
+            let width = Width::of_kappa(kappa);
+            let near = |value: f64, exact: f64| assert!((value / exact - 1.0).abs() < 3e-5, "{kappa}: {value} {exact}");
+            near(width.peak, vmf::log_peak(kappa).exp());
+            let exact = if kappa > 50.0 { 1.0 - 1.0 / kappa } else { vmf::mean_resultant_length(kappa) };
+            near(width.length, exact);
+            near(Width::of_length(width.length).kappa, kappa);
+            if (0.1..40.0).contains(&kappa) {
+                let step = 1e-3 * kappa;
+                let [below, above] = [kappa - step, kappa + step].map(vmf::mean_resultant_length);
+                near(width.slope, (above - below) / (2.0 * step));
+                let curvature = (above - 2.0 * exact + below) / (step * step);
+                assert!((width.curvature / curvature - 1.0).abs() < 1e-3, "{kappa}: {} {curvature}", width.curvature);
+            }
+        }
+    }
 }

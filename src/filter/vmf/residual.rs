@@ -11,8 +11,9 @@
 
 use glam::Vec4Swizzles;
 use multiversion::multiversion;
+use multiversion::target::target_cfg_f;
 
-use super::lanes::{LANES, exp_of_negative, lanes};
+use super::lanes::{LANES, exp_of_negative, halving_sum, lanes, mul_add};
 use super::looks::{Directions, MEAN_COSINE, MOST_DIRECTIONS};
 use super::phi::Width;
 use crate::sphere::StoredLobe;
@@ -136,6 +137,7 @@ fn squares(values: &[[f32; LANES]]) -> f32 {
     "x86_64+sse4.1"
 ))]
 fn shade(directions: &Directions, lobe: &ShadedLobe, residual: &mut [[f32; LANES]], columns: &mut [Row; EACH]) {
+    const FMA: bool = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
     let [mx, my, mz] = lobe.mu;
     let (a, turn) = (MEAN_COSINE as f32, lobe.kappa / lobe.length);
     let neg_half_kappa = -0.5 * lobe.kappa;
@@ -145,7 +147,7 @@ fn shade(directions: &Directions, lobe: &ShadedLobe, residual: &mut [[f32; LANES
         for i in 0..LANES {
             let (dx, dy, dz) = (x[i] - mx, y[i] - my, z[i] - mz);
             let chord = dx * dx + dy * dy + dz * dz;
-            let v = lobe.peak * exp_of_negative::<false>(neg_half_kappa * chord);
+            let v = lobe.peak * exp_of_negative::<FMA>(neg_half_kappa * chord);
             let u = 1.0 - 0.5 * chord;
             let stretch = lobe.slope * (u - lobe.length);
             let (along, v_a) = (stretch - turn * u, a * v);
@@ -171,46 +173,34 @@ fn shade(directions: &Directions, lobe: &ShadedLobe, residual: &mut [[f32; LANES
     "x86_64+sse4.1"
 ))]
 fn products(residual: &[[f32; LANES]], columns: &[[Row; EACH]], scale: f32, out: &mut [f32]) {
+    const FMA: bool = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
     let groups = residual.len();
     let (gradient, tiles) = out.split_at_mut(EACH * columns.len());
     for (columns, gradient) in columns.iter().zip(gradient.chunks_exact_mut(EACH)) {
-        gradient.copy_from_slice(&times(residual, columns).map(|value| scale * value));
+        gradient.copy_from_slice(&times::<FMA>(residual, columns).map(|value| scale * value));
     }
     let pairs = (0..columns.len()).flat_map(|k| (0..=k).map(move |j| (j, k)));
     for ((j, k), tile) in pairs.zip(tiles.chunks_exact_mut(EACH * EACH)) {
         for (left, out) in columns[k].iter().zip(tile.chunks_exact_mut(EACH)) {
-            out.copy_from_slice(&times(&left[..groups], &columns[j]).map(|value| scale * value));
+            out.copy_from_slice(&times::<FMA>(&left[..groups], &columns[j]).map(|value| scale * value));
         }
     }
 }
 
 /// The products of `left` with four columns.
 #[inline(always)]
-fn times(left: &[[f32; LANES]], right: &[Row; EACH]) -> [f32; EACH] {
+fn times<const FMA: bool>(left: &[[f32; LANES]], right: &[Row; EACH]) -> [f32; EACH] {
     let mut acc = [[0.0_f32; LANES]; EACH];
     let [a, b, c, d] = right;
     for ((((left, a), b), c), d) in left.iter().zip(a).zip(b).zip(c).zip(d) {
         for i in 0..LANES {
-            acc[0][i] += left[i] * a[i];
-            acc[1][i] += left[i] * b[i];
-            acc[2][i] += left[i] * c[i];
-            acc[3][i] += left[i] * d[i];
+            acc[0][i] = mul_add::<FMA>(left[i], a[i], acc[0][i]);
+            acc[1][i] = mul_add::<FMA>(left[i], b[i], acc[1][i]);
+            acc[2][i] = mul_add::<FMA>(left[i], c[i], acc[2][i]);
+            acc[3][i] = mul_add::<FMA>(left[i], d[i], acc[3][i]);
         }
     }
     acc.map(halving_sum)
-}
-
-/// The sum of all lanes, halves onto halves.
-#[inline(always)]
-fn halving_sum(mut lanes: [f32; LANES]) -> f32 {
-    let mut half = LANES / 2;
-    while half > 0 {
-        for i in 0..half {
-            lanes[i] += lanes[i + half];
-        }
-        half /= 2;
-    }
-    lanes[0]
 }
 
 #[cfg(test)]

@@ -11,7 +11,8 @@ use std::ops::Range;
 use glam::Vec4;
 use rayon::prelude::*;
 
-use super::crowd::{self, CrowdLobes, CrowdStop};
+use super::crowd::{self, CrowdStop};
+use super::crowd_channels::CrowdChannels;
 use super::em::TexelLobes;
 use super::fit::{FitSettings, LevelStats};
 use super::lanes::LANES;
@@ -33,7 +34,7 @@ pub const PASSES: usize = 20;
 pub const PASSES_BEFORE_STEPS: usize = 10;
 
 /// Least weight of a lobe in the E-step's mixture, so that a slot which neighbours fill can be filled here.
-const LEAST_WEIGHT: f64 = 0.02;
+const LEAST_WEIGHT: f32 = 0.02;
 
 /// Edge neighbours count whole, diagonal ones a quarter.
 const NEIGHBOURS: [(i64, i64, f32); 8] =
@@ -139,13 +140,11 @@ impl Pass<'_> {
         let slots = self.settings.lobes;
         let (size, texels) = ((self.previous.width, self.previous.height), target.len() / slots);
         let of_crowd = crowd::with_crowd(self.map, size, first, texels, |samples, footprints| {
-            let mut lobes = CrowdLobes::empty(slots, self.settings.kappa);
-            (0..texels).for_each(|lane| lobes.set(lane, &self.mixture(first + lane)));
-            lobes.prepare();
+            let mut channels = CrowdChannels::empty(slots);
+            (0..texels).for_each(|lane| channels.set(lane, &self.blended(first + lane)));
+            let mut lobes = channels.lobes(LEAST_WEIGHT, self.settings.kappa);
             let total = samples.step(&mut lobes, &[true; LANES]);
-            for (lane, target) in target.chunks_mut(slots).enumerate() {
-                lobes.texel(lane, total[lane]).store(target);
-            }
+            target.chunks_mut(slots).enumerate().for_each(|(lane, target)| lobes.store(lane, total[lane], target));
             footprints.iter().map(Footprint::len).sum::<usize>() as u64
         });
         of_crowd.unwrap_or_else(|| (first..).zip(target.chunks_mut(slots)).map(|(i, t)| self.run_one(i, t)).sum())
@@ -171,52 +170,69 @@ impl Pass<'_> {
 
     /// The mixture of a texel's E-step: own and neighbours' lobes, small weights raised.
     fn mixture(&self, own: usize) -> TexelLobes {
-        let previous = self.previous;
-        let (x, y) = (own % previous.width, own / previous.width);
-        let slots = self.settings.lobes;
-        let mut blended = [Vec4::ZERO; MAX_LOBES];
-        let mean = if self.share > 0.0 { self.mean(x, y) } else { [Vec4::ZERO; MAX_LOBES] };
-        for (slot, value) in blended.iter_mut().enumerate().take(slots) {
-            let stored = Vec4::from(previous.stored[own * slots + slot]);
-            *value = stored * (1.0 - self.share) + mean[slot] * self.share;
-        }
-        let mut lobes = TexelLobes::from_stored(&blended.map(|stored| stored.to_array())[..slots]);
-        let raised = |alpha: f64| if alpha > f64::from(EMPTY_WEIGHT) { alpha.max(LEAST_WEIGHT) } else { 0.0 };
+        let blended = self.blended(own).map(|stored| stored.to_array());
+        let mut lobes = TexelLobes::from_stored(&blended[..self.settings.lobes]);
+        let least = f64::from(LEAST_WEIGHT);
+        let raised = |alpha: f64| if alpha > f64::from(EMPTY_WEIGHT) { alpha.max(least) } else { 0.0 };
         lobes.alpha = lobes.alpha.map(raised);
         let total: f64 = lobes.alpha.iter().sum();
         lobes.alpha.iter_mut().for_each(|alpha| *alpha /= total.max(f64::MIN_POSITIVE));
         lobes
     }
 
-    /// The weighted mean of the neighbours' lobes and of the coarse texels around.
-    fn mean(&self, x: usize, y: usize) -> [Vec4; MAX_LOBES] {
-        let previous = self.previous;
+    /// A texel's own channels and, for their share, the weighted mean of the neighbours' and of the coarse texels'
+    /// around.
+    fn blended(&self, own: usize) -> [Vec4; MAX_LOBES] {
+        let (previous, slots) = (self.previous, self.settings.lobes);
+        let of = |level: &MixtureLevel, texel: usize, slot: usize| Vec4::from(level.stored[texel * slots + slot]);
+        let mut blended = [Vec4::ZERO; MAX_LOBES];
+        let blended_slots = blended.iter_mut().take(slots).enumerate();
+        if self.share <= 0.0 {
+            blended_slots.for_each(|(slot, value)| *value = of(previous, own, slot));
+            return blended;
+        }
+        let (x, y) = (own % previous.width, own / previous.width);
         let addressing = self.map.options.addressing;
-        let mut mean = [Vec4::ZERO; MAX_LOBES];
-        let mut total = 1.0;
-        for (dx, dy, weight) in NEIGHBOURS {
-            let column = neighbour(x, dx, previous.width, addressing);
-            let row = neighbour(y, dy, previous.height, addressing);
-            let (Some(column), Some(row)) = (column, row) else { continue };
-            total += weight;
-            for (value, &stored) in mean.iter_mut().zip(previous.texel(column, row)) {
-                *value += weight * Vec4::from(stored);
-            }
-        }
         let taps = coarse_taps(self.coarse, (previous.width, previous.height), (x, y), addressing);
-        for (slot, value) in mean.iter_mut().enumerate().take(previous.lobes) {
-            *value += blend_slot(self.coarse, &taps, slot);
+        let (around, count, total) = neighbours((previous.width, previous.height), (x, y), addressing);
+        let share = self.share / (1.0 + total);
+        for (slot, value) in blended_slots {
+            let mut sum = blend_slot(self.coarse, &taps, slot);
+            for &(texel, weight) in &around[..count] {
+                sum += weight * of(previous, texel, slot);
+            }
+            *value = (1.0 - self.share) * of(previous, own, slot) + share * sum;
         }
-        mean.map(|value| value / total)
+        blended
     }
+}
+
+/// The texels around one that the map has, with their weights, how many they are and what they weigh together.
+fn neighbours(
+    (width, height): (usize, usize),
+    (x, y): (usize, usize),
+    addressing: Addressing,
+) -> ([(usize, f32); NEIGHBOURS.len()], usize, f32) {
+    let mut around = [(0, 0.0); NEIGHBOURS.len()];
+    let (mut count, mut total) = (0, 0.0);
+    for (dx, dy, weight) in NEIGHBOURS {
+        if let (Some(column), Some(row)) = (neighbour(x, dx, width, addressing), neighbour(y, dy, height, addressing)) {
+            around[count] = (row * width + column, weight);
+            count += 1;
+            total += weight;
+        }
+    }
+    (around, count, total)
 }
 
 /// The index `offset` away along an axis; `None` beyond an edge that does not wrap.
 pub fn neighbour(index: usize, offset: i64, size: usize, addressing: Addressing) -> Option<usize> {
     let target = index as i64 + offset;
+    let inside = (0..size as i64).contains(&target);
     match addressing {
-        Addressing::Wrap => Some(target.rem_euclid(size as i64) as usize),
-        Addressing::Clamp => (0..size as i64).contains(&target).then_some(target as usize),
+        // A division is slow, and seldom needed.
+        Addressing::Wrap if !inside => Some(target.rem_euclid(size as i64) as usize),
+        Addressing::Wrap | Addressing::Clamp => inside.then_some(target as usize),
     }
 }
 
@@ -253,12 +269,12 @@ fn add_log_likelihoods(
     let size = (mixtures.width, mixtures.height);
     let place = |index: usize| (index % size.0, index / size.0);
     let of_crowd = crowd::with_crowd(map, size, texels.start, texels.len(), |samples, _| {
-        let mut lobes = CrowdLobes::empty(mixtures.lobes, settings.kappa);
+        let mut channels = CrowdChannels::empty(mixtures.lobes);
         for (lane, index) in texels.clone().enumerate() {
             let (x, y) = place(index);
-            lobes.set(lane, &TexelLobes::from_stored(mixtures.texel(x, y)));
+            mixtures.texel(x, y).iter().enumerate().for_each(|(slot, &stored)| channels.set_slot(lane, slot, stored));
         }
-        lobes.prepare();
+        let mut lobes = channels.lobes(0.0, settings.kappa);
         samples.fit(&mut lobes, &CrowdStop { iterations: [0; LANES], tolerance: 0.0 }).mean_log_likelihood
     });
     match of_crowd {

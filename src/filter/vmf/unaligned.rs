@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::bins::{self, BinnedSamples};
 use super::children::Children;
-use super::em::{self, EStep, Stop, TexelFit};
+use super::em::{self, EStep, Stop, TexelFit, TexelLobes};
 use super::fit::{FitSettings, LevelStats};
 use super::lanes::LANES;
 use super::monitor::{Cancelled, Monitor};
@@ -16,7 +16,7 @@ use super::samples::{FootprintSamples, Samples};
 use super::seed::{self, Candidates};
 use super::selection::{Selection, Trials};
 use super::trace::TracedRun;
-use super::{appearance, crowd_em, likelihood};
+use super::{appearance, crowd, crowd_em, likelihood};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Footprint;
 use crate::sphere::StoredLobe;
@@ -84,10 +84,7 @@ impl<'a> LevelFit<'a> {
     /// Fits at most [`LANES`] texels and shows each to `keep` with its place among them; returns the visits of normals
     /// that are not reported yet.
     fn fit_texels(&self, texels: Range<usize>, keep: &mut dyn FnMut(usize, &TexelFit)) -> u64 {
-        let plain = (Objective::Em, Selection::Fixed, EStep::WithAlpha);
-        if (self.settings.objective, self.settings.selection, self.settings.e_step) == plain
-            && let Some(normals) = crowd_em::fit(self, texels.clone(), keep)
-        {
+        if let Some(normals) = self.fit_crowd(texels.clone(), keep) {
             return (normals * most_passes(self.settings)) as u64;
         }
         let mut visits = 0;
@@ -97,6 +94,23 @@ impl<'a> LevelFit<'a> {
             visits += unreported;
         }
         visits
+    }
+
+    /// Fits texels as a crowd, if those of the level may be; returns their normals. A texel among others comes to the
+    /// same bits as alone.
+    fn fit_crowd(&self, texels: Range<usize>, keep: &mut dyn FnMut(usize, &TexelFit)) -> Option<usize> {
+        let settings = self.settings;
+        if settings.selection != Selection::Fixed {
+            return None;
+        }
+        let most = crowd::most_normals(&self.lobes.map, self.lobes.map.level_size(self.level));
+        match (settings.objective, settings.e_step) {
+            // What has no more normals than lobes needs no fit, whatever the objective.
+            _ if most <= settings.lobes => crowd_em::fit(self, texels, keep),
+            (Objective::Em, EStep::WithAlpha) => crowd_em::fit(self, texels, keep),
+            (Objective::Appearance { steps }, _) => appearance::fit_crowd(self, texels, usize::from(steps), keep),
+            (Objective::Em, EStep::AsPrinted) | (Objective::Likelihood, _) => None,
+        }
     }
 
     /// The base texels of the level's texel `index`.
@@ -206,8 +220,10 @@ pub fn fit_texel(
     settings: &FitSettings,
     monitor: &Monitor,
 ) -> TexelFit {
-    let width = lobes.map.level_size(level).0;
-    LevelFit { lobes, level, settings, monitor }.texel(y * width + x, None).0
+    let index = y * lobes.map.level_size(level).0 + x;
+    let mut fitted = None;
+    LevelFit { lobes, level, settings, monitor }.fit_texels(index..index + 1, &mut |_, fit| fitted = Some(*fit));
+    fitted.unwrap_or(TexelFit { lobes: TexelLobes::flat(settings.lobes), mean_log_likelihood: 0.0, iterations: 0 })
 }
 
 /// As [`fit_texel`], and every run of EM on the way.
@@ -281,9 +297,9 @@ pub const RACED: usize = 64;
 
 /// Runs both seeds for a while and the one of higher likelihood to the end: a single start can end far off.
 fn race(
-    run: &mut impl FnMut(&'static str, em::TexelLobes, Stop) -> TexelFit,
-    first: em::TexelLobes,
-    second: em::TexelLobes,
+    run: &mut impl FnMut(&'static str, TexelLobes, Stop) -> TexelFit,
+    first: TexelLobes,
+    second: TexelLobes,
     stop: Stop,
 ) -> TexelFit {
     let short = Stop { iterations: RACE, ..stop };
@@ -297,12 +313,12 @@ fn race(
 }
 
 /// True for footprints whose every normal may have a lobe of its own.
-fn small(footprint: &Footprint, lobes: usize) -> bool {
+pub fn small(footprint: &Footprint, lobes: usize) -> bool {
     footprint.len() <= lobes
 }
 
 /// The seed of EM: the children's lobes, farthest apart, then one hard assignment of the texel's normals.
-fn seed_of(children: &Children<'_>, samples: &FootprintSamples<'_>, slots: usize) -> em::TexelLobes {
+fn seed_of(children: &Children<'_>, samples: &FootprintSamples<'_>, slots: usize) -> TexelLobes {
     let (centres, count) = children.farthest_apart(slots, &mut Candidates::default());
     seed::assign(samples, &centres[..count], slots)
 }
