@@ -23,8 +23,9 @@ const HEADS: [(&str, &str); 5] =
 /// Shows a row per finished level, and what is kept of earlier fits.
 pub fn show(ui: &mut Ui, session: &Session) {
     let fitting = session.fitting();
-    egui::CollapsingHeader::new(RichText::new("Figures by level").small()).default_open(false).show(ui, |ui| {
-        Grid::new("level figures").num_columns(HEADS.len()).spacing([10.0, 2.0]).show(ui, |ui| {
+    egui::CollapsingHeader::new(RichText::new("Figures by level").small()).default_open(false).show_unindented(ui, |ui| {
+        ui.spacing_mut().interact_size.y = theme::GRID;
+        Grid::new("level figures").num_columns(HEADS.len()).spacing([12.0, 2.0]).show(ui, |ui| {
             for (name, tooltip) in HEADS {
                 cell(ui, name).on_hover_text(tooltip);
             }
