@@ -54,7 +54,7 @@ const LEAST_DAMPING: f64 = 1e-5;
 const RAISED: f64 = 8.0;
 
 /// What an unknown's share of the largest on the diagonal is to count as one.
-const IDLE: f64 = 1e-7;
+const IDLE: f64 = 1e-6;
 
 /// Rows of texels that one task works through are a level's height over this, so that few corners are met twice.
 const TASKS: usize = 16;

@@ -23,27 +23,30 @@ const HEADS: [(&str, &str); 5] =
 /// Shows a row per finished level, and what is kept of earlier fits.
 pub fn show(ui: &mut Ui, session: &Session) {
     let fitting = session.fitting();
-    egui::CollapsingHeader::new(RichText::new("Figures by level").small()).default_open(false).show_unindented(ui, |ui| {
-        ui.spacing_mut().interact_size.y = theme::GRID;
-        Grid::new("level figures").num_columns(HEADS.len()).spacing([12.0, 2.0]).show(ui, |ui| {
-            for (name, tooltip) in HEADS {
-                cell(ui, name).on_hover_text(tooltip);
-            }
-            ui.end_row();
-            for (level, fit) in fitting.levels().iter().enumerate() {
-                let (Some(stats), LevelState::Done) = (fit.stats, fit.state) else { continue };
-                let figure = |value: Option<f64>, decimals: usize, unit: &str| {
-                    value.map_or_else(|| "…".to_owned(), |value| format!("{value:.decimals$}{unit}"))
-                };
-                cell(ui, &level.to_string());
-                cell(ui, &format!("{:.1}", stats.mean_lobes));
-                cell(ui, &format!("{:.3}", stats.log_likelihood_lost));
-                cell(ui, &figure(stats.coherence.map(|c| c.coherence_deg), 1, "°"));
-                cell(ui, &figure(stats.coherence.map(|c| 100.0 * c.interpolation_error), 1, " %"));
+    egui::CollapsingHeader::new(RichText::new("Figures by level").small()).default_open(false).show_unindented(
+        ui,
+        |ui| {
+            ui.spacing_mut().interact_size.y = theme::GRID;
+            Grid::new("level figures").num_columns(HEADS.len()).spacing([12.0, 2.0]).show(ui, |ui| {
+                for (name, tooltip) in HEADS {
+                    cell(ui, name).on_hover_text(tooltip);
+                }
                 ui.end_row();
-            }
-        });
-    });
+                for (level, fit) in fitting.levels().iter().enumerate() {
+                    let (Some(stats), LevelState::Done) = (fit.stats, fit.state) else { continue };
+                    let figure = |value: Option<f64>, decimals: usize, unit: &str| {
+                        value.map_or_else(|| "…".to_owned(), |value| format!("{value:.decimals$}{unit}"))
+                    };
+                    cell(ui, &level.to_string());
+                    cell(ui, &format!("{:.1}", stats.mean_lobes));
+                    cell(ui, &format!("{:.3}", stats.log_likelihood_lost));
+                    cell(ui, &figure(stats.coherence.map(|c| c.coherence_deg), 1, "°"));
+                    cell(ui, &figure(stats.coherence.map(|c| 100.0 * c.interpolation_error), 1, " %"));
+                    ui.end_row();
+                }
+            });
+        },
+    );
     let (count, bytes) = fitting.kept();
     let budget = crate::session::kept::BUDGET >> 20;
     let fits = if count == 1 { "1 fit kept".to_owned() } else { format!("{count} fits kept") };
