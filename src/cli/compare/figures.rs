@@ -11,7 +11,7 @@ pub struct MethodFigures {
     pub normalised_color_error: Option<f64>,
     /// Root of the mean squared difference, linear RGB.
     pub rmse: Option<f64>,
-    /// Mean FLIP error of the pictures as they are displayed (Andersson et al. 2020).
+    /// Mean FLIP error, over the covered pixels, of the pictures as they are displayed (Andersson et al. 2020).
     pub flip: Option<f64>,
     /// Of one frame of this method alone.
     pub milliseconds: f64,
