@@ -1,4 +1,6 @@
 //! `compare`: every method against the truth, as a table and as pictures.
+//!
+//! A cell is one map from one distance with one exponent; of several, the means are given too.
 
 pub mod figures;
 pub mod maps;
@@ -26,9 +28,6 @@ use figures::Cell;
 use measure::{Measured, Measurer, Settings};
 
 /// Every method against the truth: a table, and pictures.
-///
-/// A cell is one map from one distance with one exponent. The table has each cell's figures and, of several, their
-/// means; so has the JSON, whose `reference` and `methods` are those means and whose `cells` are the cells.
 #[derive(Args, Debug)]
 pub struct CompareCommand {
     /// Normal maps, bundled ones by name, and folders of images; without any the session's map, or the bundled sample.
@@ -67,7 +66,8 @@ pub struct CompareCommand {
     /// Samples per pixel of the truth that the methods are held against; 1024, or the session's if those are more.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65536))]
     pub samples: Option<u32>,
-    /// Write the figures as JSON to FILE, - for standard output.
+    /// Write the figures as JSON to FILE, - for standard output: `cells` has those of each map, distance and exponent;
+    /// `reference` and `methods` are their means over all cells.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
     /// Write the figures as comma-separated values to FILE, - for standard output.
