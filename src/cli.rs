@@ -1,14 +1,17 @@
 //! The command line: what can be asked for, and the way it is carried out.
 
 pub mod adapters;
+pub mod compare;
 pub mod export;
 pub mod fit;
+pub mod look;
 pub mod options;
 pub mod probe;
 pub mod render;
 pub mod rules;
 pub mod sample;
 pub mod screenshot;
+pub mod start;
 
 use std::path::PathBuf;
 
@@ -45,6 +48,8 @@ pub enum Command {
     Probe(probe::ProbeCommand),
     /// The lit surface alone, without a window.
     Render(render::RenderCommand),
+    /// Every method against the truth: a table, and pictures.
+    Compare(compare::CompareCommand),
     /// The whole window as a PNG, without a display.
     Screenshot(screenshot::ScreenshotCommand),
     /// Write results for other programs.
@@ -82,6 +87,7 @@ pub fn run(command: Command) -> anyhow::Result<()> {
         Command::Fit(command) => command.run(),
         Command::Probe(command) => command.run(),
         Command::Render(command) => command.run(),
+        Command::Compare(command) => command.run(),
         Command::Screenshot(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Sample(command) => command.run(),

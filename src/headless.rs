@@ -1,4 +1,5 @@
-//! The window without a window: the same inspector, run pass by pass and drawn into a texture.
+//! The window without a window: the same inspector, or whatever else is drawn with its means, run pass by pass and
+//! drawn into a texture.
 //!
 //! Time stands at fixed steps, nothing moves by itself, and figures that differ from run to run are left out, so the
 //! picture of a session is the same every time.
@@ -50,11 +51,18 @@ const TIME_STEP: f64 = 1.0 / 60.0;
 pub struct Headless<'a> {
     /// The inspector that is shown.
     pub inspector: Inspector,
+    canvas: Canvas<'a>,
+    wait: bool,
+}
+
+/// Something that is laid out and drawn as a window is, into a texture.
+pub struct Canvas<'a> {
     ctx: egui::Context,
     renderer: Renderer,
     target: wgpu::Texture,
     gpu: &'a Gpu,
-    settings: ScreenshotSettings,
+    size: [u32; 2],
+    px_per_point: f32,
     passes: usize,
 }
 
@@ -63,14 +71,13 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 impl<'a> Headless<'a> {
     /// Shows the session that `make` builds.
     pub fn new(gpu: &'a Gpu, settings: ScreenshotSettings, make: impl FnOnce(Wake) -> Session) -> Self {
-        let ctx = egui::Context::default();
+        let mut canvas = Canvas::new(gpu, settings.size);
+        canvas.px_per_point = settings.px_per_point;
         let budget = FrameBudget { truth_batch: 64, upload_bytes: 256 << 20, ..Default::default() };
         let target = PaintTarget { format: FORMAT, budget, ..Default::default() };
         let surroundings = Surroundings { adapter: gpu.choice.clone(), target, live: false };
-        let inspector = Inspector::new(&ctx, make(wake_of(&ctx)), surroundings);
-        let renderer = Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE);
-        let target = readback::target(&gpu.device, "window", settings.size, FORMAT);
-        Self { inspector, ctx, renderer, target, gpu, settings, passes: 0 }
+        let inspector = Inspector::new(&canvas.ctx, make(wake_of(&canvas.ctx)), surroundings);
+        Self { inspector, canvas, wait: settings.wait }
     }
 
     /// Runs passes until nothing moves any more (or, without waiting, until the layout has settled), then reads the
@@ -78,8 +85,8 @@ impl<'a> Headless<'a> {
     pub fn screenshot(&mut self) -> Result<Screenshot, ReadbackError> {
         loop {
             self.pass(Vec::new())?;
-            let settled = !self.settings.wait || self.inspector.is_settled() && !self.ctx.has_requested_repaint();
-            if self.passes >= LEAST_PASSES && settled {
+            let settled = !self.wait || self.inspector.is_settled() && !self.canvas.ctx.has_requested_repaint();
+            if self.canvas.passes >= LEAST_PASSES && settled {
                 break;
             }
             let session = &mut self.inspector.session;
@@ -88,24 +95,43 @@ impl<'a> Headless<'a> {
                 session.wait(std::time::Duration::from_millis(20));
             }
         }
-        let rgba = readback::read_bytes(&self.gpu.device, &self.gpu.queue, &self.target)?;
-        Ok(Screenshot { size: self.settings.size, rgba })
+        self.canvas.picture()
     }
 
     /// One pass of the window with these events, drawn.
     pub fn pass(&mut self, events: Vec<Event>) -> Result<(), ReadbackError> {
+        let inspector = &mut self.inspector;
+        self.canvas.pass(events, |ui| {
+            inspector.logic(ui.ctx());
+            inspector.ui(ui);
+        })
+    }
+}
+
+impl<'a> Canvas<'a> {
+    /// An empty canvas of `size` pixels.
+    pub fn new(gpu: &'a Gpu, size: [u32; 2]) -> Self {
+        let renderer = Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE);
+        let target = readback::target(&gpu.device, "window", size, FORMAT);
+        Self { ctx: egui::Context::default(), renderer, target, gpu, size, px_per_point: 1.0, passes: 0 }
+    }
+
+    /// Lays out what `show` shows, with these events, and draws it.
+    pub fn pass(&mut self, events: Vec<Event>, show: impl FnMut(&mut egui::Ui)) -> Result<(), ReadbackError> {
         let input = self.input(events);
         self.passes += 1;
-        let ctx = self.ctx.clone();
-        let output = ctx.run_ui(input, |ui| {
-            self.inspector.logic(ui.ctx());
-            self.inspector.ui(ui);
-        });
+        let output = self.ctx.clone().run_ui(input, show);
         self.draw(output)
     }
 
+    /// What was drawn last.
+    pub fn picture(&self) -> Result<Screenshot, ReadbackError> {
+        let rgba = readback::read_bytes(&self.gpu.device, &self.gpu.queue, &self.target)?;
+        Ok(Screenshot { size: self.size, rgba })
+    }
+
     fn input(&self, events: Vec<Event>) -> RawInput {
-        let [width, height] = self.settings.size.map(|pixels| pixels as f32 / self.settings.px_per_point);
+        let [width, height] = self.size.map(|pixels| pixels as f32 / self.px_per_point);
         let mut input = RawInput {
             screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, vec2(width, height))),
             max_texture_side: Some(self.gpu.device.limits().max_texture_dimension_2d as usize),
@@ -115,7 +141,7 @@ impl<'a> Headless<'a> {
             focused: true,
             ..Default::default()
         };
-        input.viewports.entry(ViewportId::ROOT).or_default().native_pixels_per_point = Some(self.settings.px_per_point);
+        input.viewports.entry(ViewportId::ROOT).or_default().native_pixels_per_point = Some(self.px_per_point);
         input
     }
 
@@ -127,7 +153,7 @@ impl<'a> Headless<'a> {
             }
         }
         let primitives = self.ctx.tessellate(output.shapes, output.pixels_per_point);
-        let screen = ScreenDescriptor { size_in_pixels: self.settings.size, pixels_per_point: output.pixels_per_point };
+        let screen = ScreenDescriptor { size_in_pixels: self.size, pixels_per_point: output.pixels_per_point };
         let label = wgpu::CommandEncoderDescriptor { label: Some("window") };
         let mut encoder = device.create_command_encoder(&label);
         let more = self.renderer.update_buffers(device, queue, &mut encoder, &primitives, &screen);

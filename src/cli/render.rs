@@ -2,22 +2,19 @@
 
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::sync::Arc;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
+use super::look::LookArguments;
 use super::options::{FitArguments, MapArguments, wait_for_fit};
-use super::rules::{Convolution, Diffuse};
-use crate::brdf::Brdf;
+use super::start::Start;
 use crate::filter::{MethodChoice, Rival};
 use crate::gpu::context::Gpu;
 use crate::gpu::{FrameInput, render_to_rgba8};
 use crate::image_io::write_png_rgba8;
-use crate::lit_surface::LevelChoice;
-use crate::normal_map::procedural;
-use crate::scene::{Camera, ShapeKind};
+use crate::scene::Camera;
+use crate::session::Session;
 use crate::session::file::SessionFile;
-use crate::session::{Session, opening};
 
 /// The lit surface alone, without a window.
 #[derive(Args, Debug)]
@@ -60,41 +57,15 @@ pub struct SceneArguments {
     /// Where the wipe stands, from 0 (left edge) to 1.
     #[arg(long, value_name = "FRACTION")]
     pub wipe: Option<f32>,
-    /// The material's BRDF: lambert or blinn-phong:S.
-    #[arg(long, value_name = "BRDF")]
-    pub brdf: Option<Brdf>,
-    /// How a lobe and the material are convolved.
-    #[arg(long, value_enum)]
-    pub convolution: Option<Convolution>,
-    /// How a lobe reflects diffusely.
-    #[arg(long, value_enum)]
-    pub diffuse: Option<Diffuse>,
-    /// The surface.
-    #[arg(long, value_enum)]
-    pub shape: Option<ShapeArgument>,
-    /// Repeats of the map along each side of the surface.
-    #[arg(long, value_name = "N")]
-    pub tiling: Option<f32>,
+    /// The surface and its material.
+    #[command(flatten)]
+    pub look: LookArguments,
     /// From the eye to the surface's centre.
     #[arg(long, value_name = "D")]
     pub distance: Option<f32>,
-    /// The MIP level that every pixel reads; without it, the one that fits the pixel.
-    #[arg(long, value_name = "LEVEL")]
-    pub level: Option<f32>,
     /// Samples per pixel of the truth.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub samples: Option<u32>,
-}
-
-/// The surface by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ShapeArgument {
-    /// A square.
-    Plane,
-    /// A sphere.
-    Sphere,
-    /// A torus.
-    Torus,
 }
 
 /// Pixels across and down.
@@ -123,33 +94,16 @@ impl SceneArguments {
     /// # Errors
     /// One sentence that names the file and the cause.
     pub fn session(&self) -> anyhow::Result<Session> {
-        let mut file = match &self.session {
-            Some(path) => SessionFile::read(path)?,
-            None => SessionFile::default(),
+        let start = Start {
+            map: self.map.as_deref(),
+            map_arguments: &self.map_arguments,
+            fit: &self.fit,
+            session: self.session.as_deref(),
         };
-        let request = match &self.map {
-            Some(path) => Some(self.map_arguments.request(path, file.map_options.clone())),
-            None => {
-                file.map_options = self.map_arguments.over(file.map_options);
-                file.map_request()
-            }
-        };
-        let opened = match request {
-            Some(request) => opening::read(&request).map_err(|message| anyhow::anyhow!(message.text))?,
-            None => procedural::default_map().into(),
-        };
-        if let (Some(fit), None) = (&opened.fit, &self.session) {
-            file.fit = fit.settings;
-        }
-        self.apply_to(&mut file);
-        let mut session = Session::with_opened(opened, Arc::new(|| {}));
-        session.set_threads(self.fit.threads());
-        session.apply(&file);
-        Ok(session)
+        start.session(|file| self.apply_to(file))
     }
 
     fn apply_to(&self, file: &mut SessionFile) {
-        file.fit = self.fit.over(file.fit);
         let comparison = &mut file.comparison;
         let chosen = [self.left, self.right, self.method];
         file.fit.lobes = chosen.into_iter().flatten().find_map(|choice| choice.lobes).unwrap_or(file.fit.lobes);
@@ -161,28 +115,9 @@ impl SceneArguments {
         }
         file.truth_samples = self.samples.or(file.truth_samples);
         let surface = &mut file.surface;
-        surface.material.shininess = self.brdf.map_or(surface.material.shininess, |brdf| brdf.exponent() as f32);
-        if self.brdf == Some(Brdf::Lambert) {
-            surface.material.specular = 0.0;
-        }
-        let material = &mut surface.material;
-        material.convolution = self.convolution.map_or(material.convolution, Convolution::rule);
-        material.diffuse_rule = self.diffuse.map_or(material.diffuse_rule, Diffuse::rule);
-        surface.shape.kind = self.shape.map_or(surface.shape.kind, ShapeArgument::kind);
-        surface.shape.tiling = self.tiling.map_or(surface.shape.tiling, |tiling| [tiling; 2]);
+        self.look.apply_to(surface);
         let distance = self.distance.unwrap_or(surface.camera.distance);
         surface.camera.distance = distance.clamp(Camera::MIN_DISTANCE, Camera::MAX_DISTANCE);
-        surface.level = self.level.map_or(surface.level, LevelChoice::Fixed);
-    }
-}
-
-impl ShapeArgument {
-    fn kind(self) -> ShapeKind {
-        match self {
-            Self::Plane => ShapeKind::Plane,
-            Self::Sphere => ShapeKind::Sphere,
-            Self::Torus => ShapeKind::Torus,
-        }
     }
 }
 

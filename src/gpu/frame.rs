@@ -217,6 +217,13 @@ impl SurfaceFrame {
         self.compare.draw(pass);
     }
 
+    /// Forgets what is drawn, so that the next frame draws it again.
+    pub fn forget_pictures(&mut self) {
+        if let Some(targets) = &mut self.targets {
+            targets.drawn.clear();
+        }
+    }
+
     /// Samples per pixel that the truth has so far.
     pub fn truth_samples(&self) -> u32 {
         self.truth_samples

@@ -1,5 +1,7 @@
 //! The frame without a window: finished pictures, read back.
 
+use std::time::{Duration, Instant};
+
 use super::context::Gpu;
 use super::frame::{FrameBudget, FrameInput, SurfaceFrame};
 use super::readback::{self, ReadbackError};
@@ -11,17 +13,41 @@ impl SurfaceFrame {
     /// Records and submits frames until nothing more is to come: every upload, every sample of the truth.
     pub fn complete(&mut self, gpu: &Gpu, input: &FrameInput<'_>) -> Result<(), ReadbackError> {
         loop {
-            let label = wgpu::CommandEncoderDescriptor { label: Some("surface frame") };
-            let mut encoder = gpu.device.create_command_encoder(&label);
-            self.prepare(&gpu.device, &gpu.queue, &mut encoder, input);
-            gpu.queue.submit([encoder.finish()]);
-            // Waiting keeps the copies of a large map from piling up.
-            let waited = gpu.device.poll(wgpu::PollType::wait_indefinitely());
-            waited.map_err(|error| ReadbackError::Device(error.to_string()))?;
+            self.step(gpu, input)?;
             if !self.wants_more() {
                 return Ok(());
             }
         }
+    }
+
+    /// Records and submits one frame, and waits for it.
+    fn step(&mut self, gpu: &Gpu, input: &FrameInput<'_>) -> Result<(), ReadbackError> {
+        let label = wgpu::CommandEncoderDescriptor { label: Some("surface frame") };
+        let mut encoder = gpu.device.create_command_encoder(&label);
+        self.prepare(&gpu.device, &gpu.queue, &mut encoder, input);
+        gpu.queue.submit([encoder.finish()]);
+        // Waiting keeps the copies of a large map from piling up.
+        let waited = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        waited.map(drop).map_err(|error| ReadbackError::Device(error.to_string()))
+    }
+
+    /// What a frame of `input` takes from its recording to its end, where everything is uploaded: the median of
+    /// `frames` of them. The truth would begin anew with each.
+    pub fn time_per_frame(
+        &mut self,
+        gpu: &Gpu,
+        input: &FrameInput<'_>,
+        frames: usize,
+    ) -> Result<Duration, ReadbackError> {
+        let mut times = Vec::new();
+        for _ in 0..frames.max(1) {
+            self.forget_pictures();
+            let start = Instant::now();
+            self.step(gpu, input)?;
+            times.push(start.elapsed());
+        }
+        times.sort_unstable();
+        Ok(times[times.len() / 2])
     }
 
     /// The final picture as last prepared, sRGB, four bytes a pixel. The frame must be for [`PICTURE_FORMAT`].

@@ -1,11 +1,14 @@
 //! The processor's own picture of the lit surface, pixel for pixel what the graphics adapter should draw, the
 //! figures by which pictures are judged, and the picture of an NDF.
 
+pub mod flip;
+mod flip_color;
 pub mod metrics;
 pub mod ndf_density;
 pub mod raster;
 pub mod shade;
 
+pub use flip::flip;
 pub use metrics::{normalised_color_error, rmse};
 pub use ndf_density::NdfPicture;
 pub use shade::{Picture, render};

@@ -8,7 +8,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// Runs the program in an empty folder.
-fn run(folder: &TempDir, arguments: &[&str]) -> Output {
+pub fn run(folder: &TempDir, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_ndf-inspector"))
         .args(arguments)
         .current_dir(folder.path())
@@ -16,23 +16,23 @@ fn run(folder: &TempDir, arguments: &[&str]) -> Output {
         .expect("the program starts")
 }
 
-fn folder() -> TempDir {
+pub fn folder() -> TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
 /// Writes a bundled map of 64 x 64 texels as `NAME.png`.
-fn sample(folder: &TempDir, name: &str) {
+pub fn sample(folder: &TempDir, name: &str) {
     let file = format!("{name}.png");
     assert!(run(folder, &["sample", name, "-o", &file, "--size", "64"]).status.success());
 }
 
-fn json(output: &Output) -> Value {
+pub fn json(output: &Output) -> Value {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("JSON on standard output")
 }
 
 /// One line on standard error that names the file, exit status 1, within seconds even where tests share the cores.
-fn assert_refused(output: &Output, names: &str) {
+pub fn assert_refused(output: &Output, names: &str) {
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{error}");
     assert_eq!(error.trim_end().lines().count(), 1, "{error}");

@@ -3,6 +3,7 @@
 mod alignment;
 mod cli;
 mod color;
+mod compare;
 mod fit;
 mod gpu;
 mod house;

@@ -1,0 +1,170 @@
+//! `compare`: every method against the truth, as a table and as pictures.
+//!
+//! A cell is one map from one distance with one exponent; of several, the means are given too.
+
+pub mod figures;
+pub mod maps;
+pub mod measure;
+pub mod sheet;
+pub mod table;
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::look::LookArguments;
+use super::options::{FitArguments, MapArguments, write_text};
+use super::render::PictureSize;
+use super::start::Start;
+use crate::filter::{MethodChoice, Rival};
+use crate::gpu::Gpu;
+use crate::headless::Screenshot;
+use crate::image_io::write_png_rgba8;
+use crate::scene::Camera;
+use crate::session::Session;
+use figures::Cell;
+use measure::{Measured, Measurer, Settings};
+
+/// Every method against the truth: a table, and pictures.
+#[derive(Args, Debug)]
+pub struct CompareCommand {
+    /// Normal maps, bundled ones by name, and folders of images; without any the session's map, or the bundled sample.
+    #[arg(value_name = "MAP")]
+    pub maps: Vec<PathBuf>,
+    /// How the maps are read.
+    #[command(flatten)]
+    pub map_arguments: MapArguments,
+    /// How they are fitted, once for all cells.
+    #[command(flatten)]
+    pub fit: FitArguments,
+    /// A session file to start from.
+    #[arg(long, value_name = "FILE")]
+    pub session: Option<PathBuf>,
+    /// The methods, with commas between: truth, mip, mip-unnormalised, toksvig, lean, gmm:N, sh:LMAX, vmf:J or
+    /// vmf:J:unaligned; vmf and vmf:unaligned are of as many lobes as --lobes says.
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        default_value = "mip,mip-unnormalised,toksvig,lean,gmm:4,sh:7,vmf,vmf:unaligned"
+    )]
+    pub methods: Vec<MethodChoice>,
+    /// Distances from the eye to the surface's centre, with commas between.
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_distance)]
+    pub distances: Vec<f32>,
+    /// Exponents of the material, with commas between.
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_exponent, conflicts_with = "brdf")]
+    pub exponents: Vec<f32>,
+    /// The surface and its material.
+    #[command(flatten)]
+    pub look: LookArguments,
+    /// Pixels across and down of each picture.
+    #[arg(long, value_name = "WxH", default_value = "480x300")]
+    pub size: PictureSize,
+    /// Samples per pixel of the truth that the methods are held against; 1024, or the session's if those are more.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65536))]
+    pub samples: Option<u32>,
+    /// Write the figures as JSON to FILE, - for standard output: `cells` has those of each map, distance and exponent;
+    /// `reference` and `methods` are their means over all cells.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the figures as comma-separated values to FILE, - for standard output.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Write a contact sheet as PNG to FILE, - for standard output: a row for each cell, the truth first, each picture
+    /// with its method and colour error.
+    #[arg(long, value_name = "FILE")]
+    pub sheet: Option<PathBuf>,
+}
+
+/// The fewest samples per pixel of a reference that nobody chose.
+const LEAST_SAMPLES: u32 = 1024;
+
+fn parse_distance(text: &str) -> Result<f32, String> {
+    let range = Camera::MIN_DISTANCE..=Camera::MAX_DISTANCE;
+    let distance = text.parse().ok().filter(|distance| range.contains(distance));
+    distance.ok_or_else(|| format!("write distances from {} to {}", Camera::MIN_DISTANCE, Camera::MAX_DISTANCE))
+}
+
+fn parse_exponent(text: &str) -> Result<f32, String> {
+    let exponent = text.parse().ok().filter(|exponent| (1.0..=1e5).contains(exponent));
+    exponent.ok_or_else(|| "write exponents from 1 to 100000".to_owned())
+}
+
+impl CompareCommand {
+    /// Carries the command out.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn run(self) -> anyhow::Result<()> {
+        for MethodChoice { method, .. } in &self.methods {
+            let is_drawn = method.rival().is_none_or(Rival::is_drawn);
+            anyhow::ensure!(is_drawn, "{method} is too much for a picture; probe takes it.");
+        }
+        let maps = maps::every_map(&self.maps)?;
+        // What is wrong with the first map, the only one as a rule, is told before anything is set up.
+        let first = self.session_of(maps[0].as_deref())?;
+        let gpu = Gpu::headless()?;
+        let measured = self.measure(&gpu, &maps, first)?;
+        if let Some(path) = &self.sheet {
+            let Screenshot { size, rgba } = sheet::draw(&gpu, &measured)?;
+            write_png_rgba8(path, size[0] as usize, size[1] as usize, &rgba)?;
+        }
+        let cells: Vec<Cell> = measured.into_iter().map(|measured| measured.cell).collect();
+        if let Some(path) = &self.json {
+            write_text(path, &table::json(&cells)?)?;
+        }
+        if let Some(path) = &self.csv {
+            write_text(path, table::csv(&cells).trim_end())?;
+        }
+        let uses_output = [&self.json, &self.csv, &self.sheet].into_iter().flatten().any(|path| path == Path::new("-"));
+        if uses_output { Ok(()) } else { write_text("-".as_ref(), table::text(&cells).trim_end()) }
+    }
+
+    /// Every cell of every map, of which `first` is the first one's session.
+    fn measure(&self, gpu: &Gpu, maps: &[Option<PathBuf>], first: Session) -> anyhow::Result<Vec<Measured>> {
+        let settings = self.settings();
+        let bar = progress_bar(maps.len() as u64 * Measurer::steps(&settings));
+        let mut measurer = Measurer::new(gpu, &settings);
+        let mut measured = Vec::new();
+        let mut first = Some(first);
+        for path in maps {
+            let mut session = first.take().map_or_else(|| self.session_of(path.as_deref()), Ok)?;
+            let map = path.as_ref().map_or_else(|| session.map().name(), |path| path.display().to_string());
+            bar.set_message(map.clone());
+            measured.extend(measurer.measure(&mut session, &map, &bar)?);
+        }
+        bar.finish_and_clear();
+        Ok(measured)
+    }
+
+    fn settings(&self) -> Settings {
+        let PictureSize(size) = self.size;
+        Settings {
+            methods: self.methods.clone(),
+            distances: self.distances.clone(),
+            exponents: self.exponents.clone(),
+            size,
+            keeps_pictures: self.sheet.is_some(),
+        }
+    }
+
+    fn session_of(&self, map: Option<&Path>) -> anyhow::Result<Session> {
+        let start = Start { map, map_arguments: &self.map_arguments, fit: &self.fit, session: self.session.as_deref() };
+        let mut session = start.session(|file| self.look.apply_to(&mut file.surface))?;
+        session.truth_samples = self.samples.unwrap_or(session.truth_samples.max(LEAST_SAMPLES));
+        session.skip_previews();
+        Ok(session)
+    }
+}
+
+/// A bar on a terminal, nothing in a pipe.
+fn progress_bar(steps: u64) -> ProgressBar {
+    let bar = if std::io::stderr().is_terminal() { ProgressBar::new(steps) } else { ProgressBar::hidden() };
+    match ProgressStyle::with_template("comparing {bar:32} {percent:>3} % {msg}") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
