@@ -90,8 +90,8 @@ impl MapArguments {
 /// How a map is fitted.
 #[derive(Args, Clone, Debug, Default)]
 pub struct FitArguments {
-    /// Lobes per texel: 1 to 16; auto[:PERCENT], as few as keep the BRDF's error under 2 or PERCENT percent; or
-    /// bic[:MAX], as the Bayesian information criterion has it.
+    /// Lobes per texel: 1 to 16; auto or auto:PERCENT, as few as keep the BRDF's error under 2 or PERCENT percent; bic
+    /// or bic:MAX, as the Bayesian information criterion has it, at most 8 or MAX.
     #[arg(short = 'J', long = "lobes", value_name = "N")]
     pub lobes: Option<LobeCount>,
     /// What each texel's fit strives for: appearance, appearance:STEPS, likelihood or em.
