@@ -53,6 +53,10 @@ const LEAST_DAMPING: f64 = 1e-5;
 /// Factor on the damping after a round that is not.
 const RAISED: f64 = 8.0;
 
+/// The mean length up to which a step may sharpen a lobe, kappa 2000: what is sharper looks the same at s = 64, and would
+/// be a glint that is not there under a sharper material.
+const LONGEST: f64 = 1.0 - 1.0 / 2000.0;
+
 /// What an unknown's share of the largest on the diagonal is to count as one.
 const IDLE: f64 = 1e-6;
 
@@ -281,14 +285,16 @@ impl Joint<'_> {
     }
 }
 
-/// The lobes a step on: weights at least 0, of sum 1; mean vectors at most as long as the weight.
+/// The lobes a step on: weights at least 0, of sum 1; no lobe becomes sharper than the material shows.
 fn moved(from: &[StoredLobe], step: &[f64; MOST], to: &mut [StoredLobe]) {
     let mut total = 0.0;
     let mut lobes = [glam::DVec4::ZERO; MAX_LOBES];
     for (j, (lobe, &stored)) in lobes.iter_mut().zip(from).enumerate() {
         *lobe = glam::Vec4::from(stored).as_dvec4() + glam::DVec4::from_slice(&step[EACH * j..]);
         lobe.x = lobe.x.max(0.0);
-        let vector = glam::DVec3::new(lobe.y, lobe.z, lobe.w).clamp_length_max(lobe.x);
+        let [alpha, x, y, z] = stored.map(f64::from);
+        let longest = (glam::DVec3::new(x, y, z).length() / alpha.max(f64::MIN_POSITIVE)).clamp(LONGEST, 1.0);
+        let vector = glam::DVec3::new(lobe.y, lobe.z, lobe.w).clamp_length_max(longest * lobe.x);
         *lobe = glam::DVec4::new(lobe.x, vector.x, vector.y, vector.z);
         total += lobe.x;
     }
