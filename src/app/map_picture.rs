@@ -6,9 +6,9 @@ use glam::Vec3;
 use super::view_state::{MapShading, MapView};
 use crate::color::{LOBE_COLORS, heat, linear_from_srgb, srgb8_from_linear};
 use crate::filter::vmf::Fold;
-use crate::filter::vmf::selection::used;
 use crate::normal_map::pyramid::Texel;
 use crate::session::Session;
+use crate::sphere::mixture::used;
 
 /// The largest zoom, in points per base texel.
 const MAX_POINTS_PER_TEXEL: f32 = 256.0;

@@ -20,6 +20,26 @@ pub const TRUTH: &str = include_str!("../../shaders/shared/truth.wgsl");
 /// The entry point of every rival, the twin of `filter/rival.rs` and `filter/channels.rs`.
 pub const RIVAL: &str = include_str!("../../shaders/shared/rival.wgsl");
 
+/// A two-dimensional texture of one level.
+pub fn texture_2d(
+    device: &wgpu::Device,
+    label: &str,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
 /// A shader module of `parts`, one after the other.
 pub fn shader(device: &wgpu::Device, label: &str, parts: &[&str]) -> wgpu::ShaderModule {
     device.create_shader_module(wgpu::ShaderModuleDescriptor {

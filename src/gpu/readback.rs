@@ -1,5 +1,7 @@
 //! Textures back to the processor.
 
+use super::layout::texture_2d;
+
 /// Why a texture could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadbackError {
@@ -18,22 +20,9 @@ impl ReadbackError {
 }
 
 /// A texture of one level to draw into and to read back.
-pub fn target(
-    device: &wgpu::Device,
-    label: &str,
-    [width, height]: [u32; 2],
-    format: wgpu::TextureFormat,
-) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
+pub fn target(device: &wgpu::Device, label: &str, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+    texture_2d(device, label, size, format, usage)
 }
 
 /// The bytes of the first level and layer of `texture`, row by row without padding. Needs `COPY_SRC`; waits.

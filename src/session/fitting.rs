@@ -187,16 +187,17 @@ impl Fitting {
     /// Takes the kept fit of these settings, if there is one; the running fit then ends.
     pub fn recall(&mut self, settings: &FitSettings) -> bool {
         let Some(fit) = self.kept.recall(settings) else { return false };
-        (self.running, self.first, self.measuring) = (None, None, None);
-        self.follow(settings);
+        self.leave_for(settings);
         self.fold = Fold::default();
         self.take_fit(fit);
         self.revision += 1;
         true
     }
 
-    /// Drops the unaligned levels where they are of other settings than these, or keeps them to grow from.
-    fn follow(&mut self, settings: &FitSettings) {
+    /// Ends what runs; drops the unaligned levels where they are of other settings than these, or keeps them to grow
+    /// from.
+    fn leave_for(&mut self, settings: &FitSettings) {
+        (self.running, self.first, self.measuring) = (None, None, None);
         let unaligned = |settings: &FitSettings| FitSettings { align: Alignment::None, ..*settings };
         if unaligned(settings) == unaligned(&self.settings) {
             return;
@@ -218,8 +219,7 @@ impl Fitting {
 
     /// Takes other settings: the running fit ends, and the lobes at hand become a preview.
     pub fn restart(&mut self, settings: FitSettings) {
-        (self.running, self.first, self.measuring) = (None, None, None);
-        self.follow(&settings);
+        self.leave_for(&settings);
         if settings.lobes != self.settings.lobes {
             self.fold = fold::fewer_lobes(&self.lobes, settings.lobes);
         }

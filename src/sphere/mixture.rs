@@ -16,6 +16,11 @@ pub type StoredLobe = [f32; 4];
 /// Weights below this are an empty slot.
 pub const EMPTY_WEIGHT: f32 = 1e-7;
 
+/// How many slots hold a lobe.
+pub fn used(stored: &[StoredLobe]) -> usize {
+    stored.iter().filter(|lobe| lobe[0] > EMPTY_WEIGHT).count()
+}
+
 /// One lobe in the papers' terms.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Lobe {

@@ -6,12 +6,12 @@ use ndf_inspector::filter::vmf::brdf_error::TrueBrdf;
 use ndf_inspector::filter::vmf::em::TexelLobes;
 use ndf_inspector::filter::vmf::fit::expected_visits;
 use ndf_inspector::filter::vmf::samples::FootprintSamples;
-use ndf_inspector::filter::vmf::selection::used;
 use ndf_inspector::filter::vmf::{
     Alignment, FitSettings, LobeCount, LobePyramid, Monitor, Selection, coherence, unaligned,
 };
 use ndf_inspector::normal_map::pyramid::Footprint;
 use ndf_inspector::normal_map::{Addressing, NormalMap, procedural};
+use ndf_inspector::sphere::mixture::used;
 
 use crate::fit::{HOSTILE, assert_sound, fitted};
 use crate::gpu::maps::map as map_of;

@@ -5,10 +5,9 @@ use glam::Vec3;
 use super::merge::{Candidates, Criterion};
 use super::pyramid::LobePyramid;
 use super::seed;
-use super::selection;
 use crate::normal_map::pyramid::Span;
 use crate::sphere::StoredLobe;
-use crate::sphere::mixture::MAX_LOBES;
+use crate::sphere::mixture::{MAX_LOBES, used};
 
 /// The children of one texel.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +41,7 @@ impl<'a> Children<'a> {
     /// The lobes in use of the child that has most of them.
     pub fn most_lobes(&self) -> usize {
         let mut most = 0;
-        self.each(|stored, _| most = most.max(selection::used(stored)));
+        self.each(|stored, _| most = most.max(used(stored)));
         most
     }
 

@@ -360,8 +360,7 @@ fn align(
     if selects {
         for (level, own) in own.iter().enumerate().skip(1) {
             let Some(mixtures) = lobes.coarse[level - 1].take() else { continue };
-            let mut stats = smooth::likelihood(&lobes.map, &mixtures, &aligned, monitor)?;
-            stats.mean_iterations = aligned.aligned_passes() as f64;
+            let mut stats = smooth::stats(&lobes.map, &mixtures, &aligned, monitor)?;
             stats.log_likelihood_lost = own.mean_log_likelihood - stats.mean_log_likelihood;
             keep(lobes, level, Arc::new(Arc::unwrap_or_clone(mixtures).trimmed()), stats, Stage::Done, report);
         }

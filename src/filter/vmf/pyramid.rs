@@ -5,10 +5,9 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::color::ColorLevel;
-use super::selection::used;
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
-use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
+use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES, used};
 use crate::sphere::{Mixture, StoredLobe};
 
 /// The mixtures of one level above the base.

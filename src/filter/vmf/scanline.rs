@@ -65,8 +65,8 @@ pub fn fit_level(
         }
     });
     monitor.check()?;
-    let stats = smooth::likelihood(&lobes.map, &mixtures, settings, monitor)?;
-    Ok((mixtures, LevelStats { mean_iterations: settings.aligned_passes() as f64, ..stats }))
+    let stats = smooth::stats(&lobes.map, &mixtures, settings, monitor)?;
+    Ok((mixtures, stats))
 }
 
 /// The iterations of one texel: its parent and its visited neighbours are as they were when it was fitted. The mean

@@ -20,7 +20,7 @@ use super::pyramid::{LobePyramid, MixtureLevel};
 use super::samples::FootprintSamples;
 use super::seed;
 use crate::normal_map::pyramid::Footprint;
-use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
+use crate::sphere::mixture::MAX_LOBES;
 use crate::sphere::vmf::{self, KappaRule};
 
 /// Who decides how many lobes a texel gets.
@@ -288,11 +288,6 @@ pub fn prune_texel(samples: &FootprintSamples<'_>, stored: &mut [[f32; 4]], targ
         prune(&mut lobes, |fewer| truth.error(fewer) <= target);
         lobes.store(stored);
     }
-}
-
-/// Lobes in use.
-pub fn used(stored: &[[f32; 4]]) -> usize {
-    stored.iter().filter(|lobe| lobe[0] > EMPTY_WEIGHT).count()
 }
 
 #[cfg(test)]

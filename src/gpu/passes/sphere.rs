@@ -6,7 +6,7 @@
 use glam::{DVec3, Mat3};
 
 use crate::color::{LOBE_COLORS, heat};
-use crate::gpu::layout;
+use crate::gpu::layout::{self, texture_2d};
 use crate::reference::ndf_density::{DENSITY_SIZE, MAX_POINTS, NdfPicture};
 use crate::sphere::Lobe;
 use crate::sphere::mixture::MAX_LOBES;
@@ -247,17 +247,8 @@ fn vertex_buffer(device: &wgpu::Device) -> wgpu::Buffer {
 }
 
 fn density_texture(device: &wgpu::Device) -> wgpu::Texture {
-    let size = DENSITY_SIZE as u32;
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("sphere density"),
-        size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::R32Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    })
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    texture_2d(device, "sphere density", [DENSITY_SIZE as u32; 2], wgpu::TextureFormat::R32Float, usage)
 }
 
 /// What the three pipelines share.

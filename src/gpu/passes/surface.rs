@@ -7,7 +7,7 @@ use crate::filter::Method;
 use crate::filter::rival::RivalKind;
 use crate::filter::vmf::Fold;
 use crate::gpu::exact_tables::ExactTables;
-use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer};
+use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, texture_2d, uniform_buffer};
 use crate::gpu::rival_textures::RivalTextures;
 use crate::gpu::surface_pipelines::{SurfacePipelines, Variant};
 use crate::gpu::textures::MapTextures;
@@ -207,8 +207,8 @@ impl SurfacePass {
     pub fn target(&self, device: &wgpu::Device, label: &str, size: [u32; 2]) -> Target {
         use wgpu::TextureUsages as Usage;
         let usage = Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING | Usage::COPY_SRC;
-        let color = attachment(device, label, size, COLOR_FORMAT, usage);
-        let depth = attachment(device, "surface depth", size, DEPTH_FORMAT, Usage::RENDER_ATTACHMENT);
+        let color = texture_2d(device, label, size, COLOR_FORMAT, usage);
+        let depth = texture_2d(device, "surface depth", size, DEPTH_FORMAT, Usage::RENDER_ATTACHMENT);
         let view = color.create_view(&wgpu::TextureViewDescriptor { label: Some(label), ..Default::default() });
         let depth_label = wgpu::TextureViewDescriptor { label: Some("surface depth"), ..Default::default() };
         let resource = wgpu::BindingResource::TextureView(&view);
@@ -279,25 +279,6 @@ impl MeshBuffers {
             count: mesh.indices.len() as u32,
         }
     }
-}
-
-fn attachment(
-    device: &wgpu::Device,
-    label: &str,
-    [width, height]: [u32; 2],
-    format: wgpu::TextureFormat,
-    usage: wgpu::TextureUsages,
-) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
 }
 
 fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, target: &Target) -> wgpu::RenderPass<'a> {
