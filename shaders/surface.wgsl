@@ -25,8 +25,9 @@ struct Frame {
     first_sample: u32,
     sample_count: u32,
     diffuse_rule: u32,
+    level_choice: u32,
+    most_probes: u32,
     padding: u32,
-    more_padding: vec2u,
     fold: array<vec4u, 4>,
 }
 
@@ -241,22 +242,25 @@ fn shade_lobe(lobe: ColoredLobe, light: LocalLight, material: Material) -> vec3f
         + material.diffuse * diffuse * material.diffuse_color);
 }
 
-@fragment
-fn vmf(point: Point) -> @location(0) vec4u {
-    let lookup = lookup_of(point);
-    let light = local_light(point);
-    let lod = level_of_detail(frame.fixed_level, lookup.uv_dx, lookup.uv_dy, frame.base_size, frame.vmf_lods);
+// The probes that read the pixel, at levels within `lods`.
+fn probes_of(lookup: Lookup, lods: vec2f) -> Probes {
+    let rule = LevelRule(frame.level_choice, frame.fixed_level, frame.most_probes);
+    return probes(rule, lookup.uv_dx, lookup.uv_dy, frame.base_size, lods);
+}
+
+// What the interpolated lobes around `uv` reflect.
+fn shade_aligned(uv: vec2f, lod: f32, light: LocalLight) -> vec3f {
     // The base level is not stored as lobes: below level 1 its normals are blended in by hand.
     let base_share = clamp(1.0 - lod, 0.0, 1.0);
     var base = BaseTaps();
     if base_share > 0.0 {
-        base = base_taps(lookup.uv);
+        base = base_taps(uv);
     }
     var sum = vec3f(0.0);
     for (var slot = 0u; slot < frame.lobes; slot++) {
         var lobe = ColoredLobe();
         if base_share < 1.0 {
-            let coarse = coarse_slot(lookup.uv, max(lod, 1.0), slot);
+            let coarse = coarse_slot(uv, max(lod, 1.0), slot);
             lobe = ColoredLobe((1.0 - base_share) * coarse.stored, (1.0 - base_share) * coarse.color);
         }
         if base_share > 0.0 {
@@ -267,7 +271,19 @@ fn vmf(point: Point) -> @location(0) vec4u {
             sum += shade_lobe(lobe, light, material());
         }
     }
-    return seen(frame.radiance * sum);
+    return sum;
+}
+
+@fragment
+fn vmf(point: Point) -> @location(0) vec4u {
+    let lookup = lookup_of(point);
+    let light = local_light(point);
+    let probes = probes_of(lookup, frame.vmf_lods);
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < probes.count; i++) {
+        sum += shade_aligned(lookup.uv + probe_offset(probes, i), probes.lod, light);
+    }
+    return seen(frame.radiance * sum / f32(probes.count));
 }
 
 // What the lobes of one texel reflect, slots folded before they are shaded.
@@ -316,12 +332,16 @@ fn shade_around(uv: vec2f, level: i32, light: LocalLight, material: Material) ->
 fn vmf_unaligned(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
     let light = local_light(point);
-    let lod = level_of_detail(frame.fixed_level, lookup.uv_dx, lookup.uv_dy, frame.base_size, frame.vmf_lods);
-    let level = floor(lod);
-    let share = lod - level;
-    var sum = (1.0 - share) * shade_around(lookup.uv, i32(level), light, material());
-    if share > 0.0 {
-        sum += share * shade_around(lookup.uv, i32(level) + 1, light, material());
+    let probes = probes_of(lookup, frame.vmf_lods);
+    let level = floor(probes.lod);
+    let share = probes.lod - level;
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < probes.count; i++) {
+        let uv = lookup.uv + probe_offset(probes, i);
+        sum += (1.0 - share) * shade_around(uv, i32(level), light, material());
+        if share > 0.0 {
+            sum += share * shade_around(uv, i32(level) + 1, light, material());
+        }
     }
-    return seen(frame.radiance * sum);
+    return seen(frame.radiance * sum / f32(probes.count));
 }

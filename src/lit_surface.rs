@@ -4,23 +4,13 @@
 use glam::{Vec2, Vec3};
 
 use crate::brdf::Material;
-use crate::filter::{Filter, LocalLight, Lookup};
+use crate::filter::probes::MOST_PROBES;
+use crate::filter::{Filter, LevelChoice, LevelRule, LocalLight, Lookup, Probes};
 use crate::lighting::DirectionalLight;
 use crate::scene::{Camera, Shape};
 
-/// Which MIP level a pixel reads.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LevelChoice {
-    /// The level whose texels are as large as the pixel, between two levels by trilinear interpolation.
-    #[default]
-    Auto,
-    /// This level, everywhere.
-    Fixed(f32),
-}
-
 /// Everything the picture of the surface depends on, save the map and the method.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct LitSurface {
     /// The shape that wears the map.
@@ -33,11 +23,32 @@ pub struct LitSurface {
     pub material: Material,
     /// Which level is read.
     pub level: LevelChoice,
+    /// Most probes along the long axis of a pixel's footprint, 1 to [`MOST_PROBES`].
+    pub anisotropy: u32,
     /// Exposure in stops.
     pub exposure_stops: f32,
 }
 
+impl Default for LitSurface {
+    fn default() -> Self {
+        Self {
+            shape: Shape::default(),
+            camera: Camera::default(),
+            light: DirectionalLight::default(),
+            material: Material::default(),
+            level: LevelChoice::default(),
+            anisotropy: 1,
+            exposure_stops: 0.0,
+        }
+    }
+}
+
 impl LitSurface {
+    /// How the levels are read.
+    pub fn level_rule(&self) -> LevelRule {
+        LevelRule { choice: self.level, most_probes: self.anisotropy.clamp(1, MOST_PROBES) }
+    }
+
     /// The factor that exposure puts on linear colour.
     pub fn exposure(&self) -> f32 {
         self.exposure_stops.exp2()
@@ -63,18 +74,22 @@ pub struct SurfacePoint {
     pub uv_dy: Vec2,
 }
 
-/// The level of detail of a footprint: log2 of its longer side in base texels, within `range`.
-pub fn level_of_detail(choice: LevelChoice, uv_dx: Vec2, uv_dy: Vec2, base: (usize, usize), range: [f32; 2]) -> f32 {
-    let size = Vec2::new(base.0 as f32, base.1 as f32);
-    let lod = match choice {
-        LevelChoice::Auto => (uv_dx * size).length().max((uv_dy * size).length()).max(1e-12).log2(),
-        LevelChoice::Fixed(level) => level,
-    };
-    lod.clamp(range[0], range[1])
+impl SurfacePoint {
+    /// The probes that read a map of `base` texels here, at levels within `lod_range`.
+    pub fn probes(&self, rule: LevelRule, base: (usize, usize), lod_range: [f32; 2]) -> Probes {
+        Probes::new(rule, self.uv_dx, self.uv_dy, base, lod_range)
+    }
 }
 
-/// Linear RGB of one surface point seen through `filter`: the CPU twin of the surface shader.
-pub fn shade_point(surface: &LitSurface, filter: &dyn Filter, point: &SurfacePoint, lookup: &Lookup) -> Vec3 {
+/// Linear RGB of one surface point, seen through `filter` by `probes` in the pixel of these integer coordinates: the
+/// CPU twin of the surface shader.
+pub fn shade_point(
+    surface: &LitSurface,
+    filter: &dyn Filter,
+    point: &SurfacePoint,
+    probes: Probes,
+    pixel: [u32; 2],
+) -> Vec3 {
     let to_eye = (surface.camera.eye_in_world() - point.position_in_world).normalize();
     let to_light = surface.light.direction_in_world();
     let half = (to_eye + to_light).normalize_or(point.normal_in_world);
@@ -83,5 +98,15 @@ pub fn shade_point(surface: &LitSurface, filter: &dyn Filter, point: &SurfacePoi
     };
     let light =
         LocalLight { light_in_tangent: tangent_from_world(to_light), half_in_tangent: tangent_from_world(half) };
-    surface.exposure() * surface.light.radiance() * filter.shade(lookup, &light, &surface.material)
+    let SurfacePoint { uv_dx, uv_dy, .. } = *point;
+    let probe = |offset: Vec2| {
+        let lookup = Lookup { uv: point.uv + offset, uv_dx, uv_dy, lod: probes.lod, pixel };
+        filter.shade(&lookup, &light, &surface.material)
+    };
+    let reflected: Vec3 = if filter.takes_probes() {
+        probes.offsets().map(probe).sum::<Vec3>() / probes.count as f32
+    } else {
+        probe(Vec2::ZERO)
+    };
+    surface.exposure() * surface.light.radiance() * reflected
 }

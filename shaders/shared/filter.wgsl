@@ -1,4 +1,4 @@
-// Twin of filter/mod.rs and of lit_surface.rs.
+// Twin of filter/mod.rs.
 
 // A Lambertian and a Blinn-Phong part.
 struct Material {
@@ -38,13 +38,4 @@ fn normalize_or_zero(v: vec3f) -> vec3f {
 fn reflect(material: Material, exponent: f32, half_cosine: f32, light_cosine: f32) -> vec3f {
     let specular = material.specular * blinn_phong(exponent, half_cosine);
     return (specular * material.specular_color + material.diffuse * material.diffuse_color) * max(light_cosine, 0.0);
-}
-
-// log2 of the footprint's longer side in base texels, within `range`; a `fixed_level` of 0 or more replaces it.
-fn level_of_detail(fixed_level: f32, uv_dx: vec2f, uv_dy: vec2f, base: vec2f, range: vec2f) -> f32 {
-    var lod = fixed_level;
-    if fixed_level < 0.0 {
-        lod = log2(max(max(length(uv_dx * base), length(uv_dy * base)), 1e-12));
-    }
-    return clamp(lod, range.x, range.y);
 }

@@ -27,7 +27,13 @@ fn channel_layer(lookup: Lookup, lod: f32, layer: u32) -> vec4f {
 @fragment
 fn rival(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
-    let lod = level_of_detail(frame.fixed_level, lookup.uv_dx, lookup.uv_dy, frame.base_size, method.lods);
-    let reflected = shade(lookup, lod, local_light(point), material());
-    return seen(frame.radiance * mean_color(lookup, lod) * reflected);
+    let light = local_light(point);
+    let probes = probes_of(lookup, method.lods);
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < probes.count; i++) {
+        var probe = lookup;
+        probe.uv += probe_offset(probes, i);
+        sum += mean_color(probe, probes.lod) * shade(probe, probes.lod, light, material());
+    }
+    return seen(frame.radiance * sum / f32(probes.count));
 }

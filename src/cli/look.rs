@@ -4,7 +4,9 @@ use clap::{Args, ValueEnum};
 
 use super::rules::{Convolution, Diffuse};
 use crate::brdf::Brdf;
-use crate::lit_surface::{LevelChoice, LitSurface};
+use crate::filter::LevelChoice;
+use crate::filter::probes::MOST_PROBES;
+use crate::lit_surface::LitSurface;
 use crate::scene::ShapeKind;
 
 /// The surface, its material and the level it reads.
@@ -25,9 +27,13 @@ pub struct LookArguments {
     /// Repeats of the map along each side of the surface.
     #[arg(long, value_name = "N")]
     pub tiling: Option<f32>,
-    /// The MIP level that every pixel reads; without it, the one that fits the pixel.
-    #[arg(long, value_name = "LEVEL")]
-    pub level: Option<f32>,
+    /// The MIP level that pixels read: auto, at which a lookup blurs as much as the pixel does; hardware, whose texels
+    /// are as wide as the pixel is long; or a number, read everywhere.
+    #[arg(long, value_name = "LEVEL", value_parser = parse_level)]
+    pub level: Option<LevelChoice>,
+    /// Most probes along the long axis of a pixel's footprint, 1 to 16.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PROBES)))]
+    pub anisotropy: Option<u32>,
 }
 
 /// The surface by name.
@@ -39,6 +45,17 @@ pub enum ShapeArgument {
     Sphere,
     /// A torus.
     Torus,
+}
+
+fn parse_level(text: &str) -> Result<LevelChoice, String> {
+    match text {
+        "auto" => Ok(LevelChoice::Auto),
+        "hardware" => Ok(LevelChoice::Hardware),
+        _ => {
+            let level = text.parse().ok().filter(|level| (0.0..=32.0).contains(level));
+            level.map(LevelChoice::Fixed).ok_or_else(|| "write auto, hardware, or a level from 0 up".to_owned())
+        }
+    }
 }
 
 impl LookArguments {
@@ -53,7 +70,8 @@ impl LookArguments {
         material.diffuse_rule = self.diffuse.map_or(material.diffuse_rule, Diffuse::rule);
         surface.shape.kind = self.shape.map_or(surface.shape.kind, ShapeArgument::kind);
         surface.shape.tiling = self.tiling.map_or(surface.shape.tiling, |tiling| [tiling; 2]);
-        surface.level = self.level.map_or(surface.level, LevelChoice::Fixed);
+        surface.level = self.level.unwrap_or(surface.level);
+        surface.anisotropy = self.anisotropy.unwrap_or(surface.anisotropy);
     }
 }
 

@@ -9,6 +9,7 @@ pub mod harmonics;
 pub mod lean;
 pub mod method;
 pub mod plain_mip;
+pub mod probes;
 pub mod rival;
 pub mod sampling;
 pub mod toksvig;
@@ -22,14 +23,15 @@ use crate::normal_map::pyramid::Texel;
 
 pub use method::{Method, MethodChoice, ParseMethodError};
 pub use plain_mip::PlainMip;
+pub use probes::{LevelChoice, LevelRule, Probes};
 pub use rival::{Rival, RivalFilter};
 pub use truth::Truth;
 pub use vmf::{UnalignedVmf, VmfFilter};
 
-/// A pixel's view of the map: where it looks and how much of it it covers.
+/// One look at the map: where, how much of it the pixel covers, and at which level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lookup {
-    /// Texture coordinates at the pixel's centre: `u` right, `v` down, one unit per map.
+    /// Texture coordinates: `u` right, `v` down, one unit per map.
     pub uv: Vec2,
     /// Change of `uv` over one pixel to the right.
     pub uv_dx: Vec2,
@@ -57,6 +59,11 @@ pub trait Filter: Sync {
 
     /// Linear RGB reflected towards the eye for light of radiance 1: the CPU twin of the method's shader.
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3;
+
+    /// Whether a long footprint is read by several probes; the truth alone covers it by its own samples.
+    fn takes_probes(&self) -> bool {
+        true
+    }
 }
 
 /// `(Ks f(h) + Kd) max(cos, 0)` of one lobe or normal (Han et al. 2007, Algorithm 2), linear RGB.

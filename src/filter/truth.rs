@@ -68,6 +68,10 @@ impl Filter for Truth {
         Ndf::of_texel(&self.map, texel).effective_brdf(brdf, omega)
     }
 
+    fn takes_probes(&self) -> bool {
+        false
+    }
+
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let mut sum = Vec3::ZERO;
         for index in 0..self.samples {

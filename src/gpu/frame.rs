@@ -15,8 +15,8 @@ use super::textures::MapTextures;
 use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::channels::ChannelPyramid;
 use crate::filter::vmf::{Fold, LobePyramid};
-use crate::filter::{Method, PlainMip, Rival};
-use crate::lit_surface::{LevelChoice, LitSurface};
+use crate::filter::{LevelChoice, Method, PlainMip, Rival};
+use crate::lit_surface::LitSurface;
 use crate::normal_map::Addressing;
 
 /// Everything a frame shows.
@@ -285,6 +285,7 @@ impl SurfaceFrame {
         if method == Method::Truth {
             surface.material.convolution = ConvolutionRule::default();
             surface.level = LevelChoice::default();
+            surface.anisotropy = 1;
         }
         let revisions = match method {
             Method::Truth => [self.textures.map_revision, 0],

@@ -12,6 +12,8 @@ pub const BLINN_PHONG: &str = include_str!("../../shaders/shared/blinn_phong.wgs
 pub const EXACT_TABLE: &str = include_str!("../../shaders/shared/exact_table.wgsl");
 /// Material, lookup and reflection, the twin of `filter/mod.rs`.
 pub const FILTER: &str = include_str!("../../shaders/shared/filter.wgsl");
+/// The choice of level and of probes, the twin of `filter/probes.rs`.
+pub const PROBES: &str = include_str!("../../shaders/shared/probes.wgsl");
 /// Interpolation by hand, the twin of `filter/sampling.rs`.
 pub const SAMPLING: &str = include_str!("../../shaders/shared/sampling.wgsl");
 /// The truth's jitter, the twin of `filter/truth.rs`.

@@ -8,7 +8,7 @@
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
 use crate::filter::truth::nearest_texel;
-use crate::lit_surface::{LitSurface, SurfacePoint, level_of_detail};
+use crate::lit_surface::{LitSurface, SurfacePoint};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::scene::{Camera, Vertex};
@@ -46,7 +46,7 @@ pub fn pick(surface: &LitSurface, size: [u32; 2], pixel: [u32; 2]) -> Option<Sur
 /// The texel that shades a surface point: the one under it, at the level in use, rounded to a whole level.
 pub fn texel_at(surface: &LitSurface, map: &NormalMap, point: &SurfacePoint, lod_range: [f32; 2]) -> Texel {
     let base = (map.width, map.height);
-    let lod = level_of_detail(surface.level, point.uv_dx, point.uv_dy, base, lod_range);
+    let lod = point.probes(surface.level_rule(), base, lod_range).lod;
     let sizes = map.level_sizes();
     let level = (lod.round() as usize).min(sizes.len() - 1);
     let addressing = map.options.addressing;

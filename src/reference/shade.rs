@@ -4,8 +4,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::raster::rasterize;
-use crate::filter::{Filter, Lookup};
-use crate::lit_surface::{LitSurface, SurfacePoint, level_of_detail, shade_point};
+use crate::filter::Filter;
+use crate::lit_surface::{LitSurface, SurfacePoint, shade_point};
 
 /// A picture in linear light.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,9 +30,8 @@ pub fn render(
     let shade = |(index, point): (usize, &Option<SurfacePoint>)| {
         let point = point.as_ref()?;
         let pixel = [index as u32 % size[0], index as u32 / size[0]];
-        let lod = level_of_detail(surface.level, point.uv_dx, point.uv_dy, base, lod_range);
-        let lookup = Lookup { uv: point.uv, uv_dx: point.uv_dx, uv_dy: point.uv_dy, lod, pixel };
-        Some(shade_point(surface, filter, point, &lookup))
+        let probes = point.probes(surface.level_rule(), base, lod_range);
+        Some(shade_point(surface, filter, point, probes, pixel))
     };
     let shaded: Vec<Option<Vec3>> = points.par_iter().enumerate().map(shade).collect();
     Picture {

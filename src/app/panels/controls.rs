@@ -9,8 +9,9 @@ use super::{PanelContext, heading, rule};
 use crate::app::parameter::{Parameter, choice, explained_choice, label};
 use crate::app::{Command, theme};
 use crate::brdf::{ConvolutionRule, DiffuseRule};
+use crate::filter::LevelChoice;
 use crate::filter::vmf::{Alignment, EStep, FitSettings, Objective, Selection};
-use crate::lit_surface::{LevelChoice, LitSurface};
+use crate::lit_surface::LitSurface;
 use crate::normal_map::{Addressing, GreenChannel, MapSource};
 use crate::scene::ShapeKind;
 use crate::sphere::vmf::KappaRule;
@@ -290,16 +291,19 @@ fn shape(ui: &mut Ui, surface: &mut LitSurface, levels: usize) {
         surface.shape.tiling = [across, down];
     }
     level(ui, &mut surface.level, levels);
+    let mut probes = surface.anisotropy as usize;
+    if !matches!(surface.level, LevelChoice::Fixed(_)) && p::ANISOTROPY.show_count(ui, &mut probes) {
+        surface.anisotropy = probes as u32;
+    }
     p::EXPOSURE.show_f32(ui, &mut surface.exposure_stops);
 }
 
 /// Which level is read: by the pixel's size, or one everywhere.
 fn level(ui: &mut Ui, level: &mut LevelChoice, levels: usize) {
-    let mut is_fixed = matches!(level, LevelChoice::Fixed(_));
-    let choices = [(false, "automatic"), (true, "fixed")];
-    if let Some(chosen) = choice(ui, "Level", p::LEVEL, is_fixed, &choices) {
-        is_fixed = chosen;
-        *level = if is_fixed { LevelChoice::Fixed(0.0) } else { LevelChoice::Auto };
+    let fixed = if let LevelChoice::Fixed(_) = level { *level } else { LevelChoice::Fixed(0.0) };
+    let choices = [(LevelChoice::Auto, "matched"), (LevelChoice::Hardware, "hardware"), (fixed, "fixed")];
+    if let Some(chosen) = choice(ui, "Level", p::level(*level), *level, &choices) {
+        *level = chosen;
     }
     if let LevelChoice::Fixed(value) = level {
         let parameter = Parameter { range: [0.0, (levels - 1).max(1) as f64], ..p::FIXED_LEVEL };

@@ -3,15 +3,15 @@
 use std::collections::HashMap;
 
 use crate::brdf::{ConvolutionRule, DiffuseRule};
-use crate::filter::Method;
 use crate::filter::rival::RivalKind;
 use crate::filter::vmf::Fold;
+use crate::filter::{LevelChoice, Method};
 use crate::gpu::exact_tables::ExactTables;
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, texture_2d, uniform_buffer};
 use crate::gpu::rival_textures::RivalTextures;
 use crate::gpu::surface_pipelines::{SurfacePipelines, Variant};
 use crate::gpu::textures::MapTextures;
-use crate::lit_surface::{LevelChoice, LitSurface};
+use crate::lit_surface::LitSurface;
 use crate::scene::ShapeKind;
 
 /// The format of the pictures: 32-bit floats, which sums of many samples need, bit for bit in unsigned integers, which
@@ -21,11 +21,12 @@ pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shader's parts, in order.
-pub const SHADER: [&str; 7] = [
+pub const SHADER: [&str; 8] = [
     layout::VMF,
     layout::BLINN_PHONG,
     layout::EXACT_TABLE,
     layout::FILTER,
+    layout::PROBES,
     layout::SAMPLING,
     layout::TRUTH,
     include_str!("../../../shaders/surface.wgsl"),
@@ -48,7 +49,7 @@ pub struct FrameData {
     pub shininess: f32,
     /// Unit vector towards the light.
     pub light_in_world: [f32; 3],
-    /// The level to read everywhere, or -1 for the one that suits the pixel.
+    /// The level to read everywhere, where the rule asks for one.
     pub fixed_level: f32,
     /// Linear RGB of the light.
     pub radiance: [f32; 3],
@@ -82,10 +83,12 @@ pub struct FrameData {
     pub sample_count: u32,
     /// The rule for the diffuse part, by the shader's number.
     pub diffuse_rule: u32,
+    /// The choice of level, by the shader's number.
+    pub level_choice: u32,
+    /// Most probes along the long axis of a pixel's footprint.
+    pub most_probes: u32,
     /// Nothing.
     pub padding: u32,
-    /// Nothing.
-    pub more_padding: [u32; 2],
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
 }
@@ -99,10 +102,13 @@ impl FrameData {
             eye_in_world: surface.camera.eye_in_world().to_array(),
             shininess: material.shininess,
             light_in_world: surface.light.direction_in_world().to_array(),
-            fixed_level: match surface.level {
-                LevelChoice::Auto => -1.0,
-                LevelChoice::Fixed(level) => level.max(0.0),
+            fixed_level: if let LevelChoice::Fixed(level) = surface.level { level } else { 0.0 },
+            level_choice: match surface.level {
+                LevelChoice::Auto => 0,
+                LevelChoice::Hardware => 1,
+                LevelChoice::Fixed(_) => 2,
             },
+            most_probes: surface.level_rule().most_probes,
             radiance: surface.light.radiance().to_array(),
             convolution: match material.convolution {
                 ConvolutionRule::Paper => 0,

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 use ndf_inspector::color::srgb8_from_linear;
+use ndf_inspector::filter::LevelChoice;
 use ndf_inspector::filter::Method;
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame, render_to_rgba8};
-use ndf_inspector::lit_surface::LevelChoice;
 use ndf_inspector::normal_map::Addressing;
 
 use super::{Scene, gpu, maps};

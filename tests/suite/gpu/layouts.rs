@@ -58,8 +58,9 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         first_sample,
         sample_count,
         diffuse_rule,
+        level_choice,
+        most_probes,
         padding,
-        more_padding,
         fold,
     });
     assert_eq!(layout(&module, "Frame"), rust);

@@ -3,10 +3,10 @@
 use glam::{Vec2, Vec3};
 use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::color::srgb8_from_linear;
+use ndf_inspector::filter::LevelChoice;
 use ndf_inspector::filter::vmf::{Fold, Rules};
 use ndf_inspector::filter::{Filter, LocalLight, Lookup, Method, Rival, Truth, UnalignedVmf, VmfFilter};
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame};
-use ndf_inspector::lit_surface::LevelChoice;
 use ndf_inspector::normal_map::Addressing;
 use ndf_inspector::reference::{self, Picture};
 use ndf_inspector::scene::{Shape, ShapeKind};
@@ -248,6 +248,43 @@ fn a_fixed_level_has_a_twin_whole_or_between_two() {
                 assert!(worst <= Some(1), "{method} at level {level}: {worst:?}");
             }
         }
+    }
+}
+
+/// A plane seen at a grazing angle: footprints many times as long as wide.
+fn grazing(choice: LevelChoice, anisotropy: u32) -> Scene {
+    let map = maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color);
+    let mut scene = Scene::new(map, 6);
+    scene.surface.shape.tiling = [3.0, 3.0];
+    (scene.surface.camera.azimuth_deg, scene.surface.camera.elevation_deg) = (25.0, 14.0);
+    (scene.surface.level, scene.surface.anisotropy) = (choice, anisotropy);
+    scene
+}
+
+#[test]
+fn probes_along_a_long_footprint_have_a_twin() {
+    for (choice, anisotropy) in
+        [(LevelChoice::Auto, 5), (LevelChoice::Auto, 16), (LevelChoice::Hardware, 1), (LevelChoice::Hardware, 16)]
+    {
+        let scene = grazing(choice, anisotropy);
+        for method in methods().filter(|&method| method != Method::Truth) {
+            assert_twins(&scene, method, &format!("{method} with {anisotropy} probes, {choice:?}"));
+        }
+    }
+}
+
+#[test]
+fn more_probes_bring_a_grazing_plane_nearer_the_truth_and_leave_the_truth_alone() {
+    let truth = on_adapter(&grazing(LevelChoice::Auto, 1), Method::Truth);
+    assert!(truth == on_adapter(&grazing(LevelChoice::Auto, 16), Method::Truth));
+    for method in [Method::Vmf, Method::VmfUnaligned] {
+        let error = |probes| {
+            let picture = on_adapter(&grazing(LevelChoice::Auto, probes), method);
+            reference::normalised_color_error(&picture, &truth).expect("the surface is seen")
+        };
+        let errors = [1, 4, 16].map(error);
+        println!("{method}: {errors:?}");
+        assert!(errors[1] < 0.8 * errors[0] && errors[2] < errors[1], "{method}: {errors:?}");
     }
 }
 

@@ -210,7 +210,7 @@ fn a_click_on_a_level_selects_the_texel_under_it() {
 fn a_click_on_the_surface_selects_the_texel_shaded_there_and_a_click_beside_it_none() {
     let mut window = window(fitted("pyramid5", 64));
     settle(&mut window);
-    window.state_mut().inspector.session.surface.level = ndf_inspector::lit_surface::LevelChoice::Fixed(3.0);
+    window.state_mut().inspector.session.surface.level = ndf_inspector::filter::LevelChoice::Fixed(3.0);
     settle(&mut window);
     let picture = window.get_by_label("Surface view").rect();
     // A little right of and below the middle, clear of the wipe: the first texel of the repeat after the middle one.

@@ -2,6 +2,8 @@
 
 use crate::app::parameter::Parameter;
 use crate::brdf::{ConvolutionRule, DiffuseRule, Material};
+use crate::filter::LevelChoice;
+use crate::filter::probes::MOST_PROBES;
 use crate::filter::vmf::{Alignment, Objective, Selection};
 use crate::lighting::DirectionalLight;
 use crate::session::opening::DEFAULT_HEIGHT_SCALE;
@@ -29,8 +31,20 @@ pub(super) const OBJECTIVE: &str = "What each texel's own fit strives for. Appea
      highest density, by splitting and merging lobes.";
 pub(super) const CONVOLUTION: &str = "How Blinn-Phong of exponent s is convolved with a lobe of concentration kappa.";
 pub(super) const DIFFUSE_RULE: &str = "How much light falls on what a lobe stands for.";
-pub(super) const LEVEL: &str = "Which level the surface reads: the one whose texels are as large as a pixel, or one \
-                                level everywhere.";
+/// What a choice of level is.
+pub(super) fn level(choice: LevelChoice) -> &'static str {
+    match choice {
+        LevelChoice::Auto => {
+            "Matched: the level at which trilinear interpolation blurs as much as the pixel does, half of log2(3) \
+             finer than hardware's. The default: it measures best, for every method."
+        }
+        LevelChoice::Hardware => {
+            "Hardware: the level whose texels are as wide as the pixel is long (Williams 1983), as samplers take it; \
+             it blurs with three times the pixel's variance."
+        }
+        LevelChoice::Fixed(_) => "Fixed: one level everywhere.",
+    }
+}
 
 /// What a convolution rule is.
 pub(super) fn convolution(rule: ConvolutionRule) -> &'static str {
@@ -192,6 +206,15 @@ pub(super) const TILING_V: Parameter =
 pub(super) const FIXED_LEVEL: Parameter = Parameter {
     name: "Fixed level",
     tooltip: "The level that is read everywhere; between two levels both are blended.",
+    ..PLAIN
+};
+pub(super) const ANISOTROPY: Parameter = Parameter {
+    name: "Anisotropy",
+    range: [1.0, MOST_PROBES as f64],
+    default: 1.0,
+    unit: "x",
+    tooltip: "Most probes along the long axis of a pixel's footprint, each as wide as the short one. At grazing angles \
+              one probe blurs too much.",
     ..PLAIN
 };
 pub(super) const EXPOSURE: Parameter = Parameter {
