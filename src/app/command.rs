@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
+use crate::comparison::Comparison;
 use crate::filter::vmf::FitSettings;
 use crate::lit_surface::LitSurface;
 use crate::normal_map::MapOptions;
 use crate::normal_map::pyramid::Texel;
-use crate::session::{Comparison, MapRequest, Message, Session};
+use crate::session::{MapRequest, Message, Session};
 
 /// One request.
 #[derive(Clone, Debug)]
@@ -27,7 +28,7 @@ pub enum Command {
     CancelFit,
     /// Light, material, shape, camera.
     SetSurface(LitSurface),
-    /// Methods and wipe.
+    /// Methods, and how they stand beside each other.
     SetComparison(Comparison),
     /// Select a texel.
     Select(Texel),

@@ -13,6 +13,7 @@ use indicatif::ProgressBar;
 use super::figures::{Cell, MethodFigures, Reference};
 use crate::cli::options::wait_for_fit;
 use crate::color::srgb8_from_linear;
+use crate::comparison::{Arrangement, Comparison};
 use crate::filter::{Method, MethodChoice};
 use crate::gpu::map_group::{COLOR_FORMAT, float_format};
 use crate::gpu::{FrameBudget, FrameInput, Gpu, PICTURE_FORMAT, SurfaceFrame};
@@ -210,10 +211,8 @@ fn input<'a>(session: &'a Session, surface: &'a LitSurface, method: Method, size
         mip: session.mip(),
         lobes: session.lobes(),
         fold: session.fitting().fold(),
-        left: method,
-        right: method,
-        channels: [session.channels_of(method); 2],
-        wipe: 1.0,
+        methods: vec![session.shown_method(method)],
+        arrangement: Arrangement::Grid { side: 1 },
         size,
     }
 }
@@ -253,7 +252,7 @@ fn prepare(session: &mut Session, choice: MethodChoice) -> anyhow::Result<()> {
         session.begin(settings);
         wait_for_fit(session)?;
     }
-    (session.comparison.left, session.comparison.right) = (choice.method, choice.method);
+    session.comparison = Comparison::alone(choice.method);
     session.wait_for_channels();
     match session.take_messages().into_iter().find(|message| message.is_error) {
         Some(error) => anyhow::bail!(error.text),
