@@ -72,13 +72,15 @@ struct Point {
     @location(1) tangent_in_world: vec3f,
     @location(2) normal_in_world: vec3f,
     @location(3) uv: vec2f,
+    // Depth along the view. The built-in position's fourth component is its inverse on some backends only.
+    @location(4) w: f32,
 }
 
 @vertex
 fn vertex(corner: Corner) -> Point {
     let position = frame.clip_from_world * vec4f(corner.position_in_world, 1.0);
     let uv = corner.uv * frame.tiling;
-    return Point(position, corner.position_in_world, corner.tangent_in_world, corner.normal_in_world, uv);
+    return Point(position, corner.position_in_world, corner.tangent_in_world, corner.normal_in_world, uv, position.w);
 }
 
 fn material() -> Material {
@@ -96,6 +98,16 @@ fn material() -> Material {
 // Fine derivatives, explicitly: the coarse ones may leave out half the quad, and the processor's twin takes these.
 fn lookup_of(point: Point) -> Lookup {
     return Lookup(point.uv, dpdxFine(point.uv), dpdyFine(point.uv), vec2u(point.position.xy));
+}
+
+// The derivatives at the pixel's centre from those between two pixels of the quad, one of which it is: a step of one
+// pixel to the other, o = 1 or -1, changes uv by d o / (1 + g o).
+fn footprint_of(point: Point, lookup: Lookup) -> PixelFootprint {
+    let nearness = 1.0 / point.w;
+    let perspective = vec2f(dpdxFine(nearness), dpdyFine(nearness)) * point.w;
+    let to_other = 1.0 - 2.0 * vec2f(lookup.pixel & vec2u(1u));
+    let stretch = 1.0 + to_other * perspective;
+    return PixelFootprint(stretch.x * lookup.uv_dx, stretch.y * lookup.uv_dy, perspective);
 }
 
 fn local_light(point: Point) -> LocalLight {
@@ -143,12 +155,13 @@ fn seen(color: vec3f) -> vec4u {
 @fragment
 fn truth(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
+    let footprint = footprint_of(point, lookup);
     let light = local_light(point);
     let size = vec2i(textureDimensions(means));
     var sum = bitcast<vec3f>(textureLoad(sum_so_far, vec2i(lookup.pixel), 0).rgb);
     for (var i = 0u; i < frame.sample_count; i++) {
         let offset = jitter(lookup.pixel, frame.first_sample + i);
-        let uv = lookup.uv + offset.x * lookup.uv_dx + offset.y * lookup.uv_dy;
+        let uv = lookup.uv + uv_step(footprint, offset);
         let texel = vec2i(
             nearest_texel(uv.x, size.x, frame.wraps != 0u),
             nearest_texel(uv.y, size.y, frame.wraps != 0u),

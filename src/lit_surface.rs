@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::brdf::Material;
-use crate::filter::{Filter, LocalLight, Lookup};
+use crate::filter::{Filter, LocalLight, Lookup, PixelFootprint};
 use crate::lighting::DirectionalLight;
 use crate::scene::{Camera, Shape};
 
@@ -57,10 +57,12 @@ pub struct SurfacePoint {
     pub normal_in_world: Vec3,
     /// Texture coordinates, tiling applied.
     pub uv: Vec2,
-    /// Change of `uv` over one pixel to the right.
+    /// Change of `uv` over one pixel to the right, taken as a GPU takes it, between two pixels.
     pub uv_dx: Vec2,
-    /// Change of `uv` over one pixel down.
+    /// Change of `uv` over one pixel down, likewise.
     pub uv_dy: Vec2,
+    /// How `uv` runs over the pixel, exactly.
+    pub footprint: PixelFootprint,
 }
 
 /// The level of detail of a footprint: log2 of its longer side in base texels, within `range`.

@@ -31,7 +31,7 @@ pub fn render(
         let point = point.as_ref()?;
         let pixel = [index as u32 % size[0], index as u32 / size[0]];
         let lod = level_of_detail(surface.level, point.uv_dx, point.uv_dy, base, lod_range);
-        let lookup = Lookup { uv: point.uv, uv_dx: point.uv_dx, uv_dy: point.uv_dy, lod, pixel };
+        let lookup = Lookup { uv: point.uv, footprint: point.footprint, lod, pixel };
         Some(shade_point(surface, filter, point, &lookup))
     };
     let shaded: Vec<Option<Vec3>> = points.par_iter().enumerate().map(shade).collect();
