@@ -1,6 +1,6 @@
 // The lit surface, an entry point for the truth and for each way of shading lobes; the other methods' follows in
 // shared/rival.wgsl. Radiance in linear light, before exposure, alpha 1 where it is seen.
-// `truth` adds its samples to the sum so far; the others are whole pictures. The floats are written bit for bit into
+// `truth` takes its samples into the mean so far; the others are whole pictures. The floats are written bit for bit into
 // targets of unsigned integers, which every adapter can draw to; GL often cannot draw to 32-bit floats.
 
 struct Frame {
@@ -56,8 +56,8 @@ const MAX_LOBES: u32 = 16u;
 @group(1) @binding(4) var lobe_colors: texture_2d_array<f32>;
 @group(1) @binding(5) var trilinear: sampler;
 
-// The sum of the truth's samples so far.
-@group(2) @binding(0) var sum_so_far: texture_2d<u32>;
+// The mean of the truth's samples so far.
+@group(2) @binding(0) var mean_so_far: texture_2d<u32>;
 
 struct Corner {
     @location(0) position_in_world: vec3f,
@@ -158,7 +158,7 @@ fn truth(point: Point) -> @location(0) vec4u {
     let footprint = footprint_of(point, lookup);
     let light = local_light(point);
     let size = vec2i(textureDimensions(means));
-    var sum = bitcast<vec3f>(textureLoad(sum_so_far, vec2i(lookup.pixel), 0).rgb);
+    var sum = vec3f(0.0);
     for (var i = 0u; i < frame.sample_count; i++) {
         let offset = jitter(lookup.pixel, frame.first_sample + i);
         let uv = lookup.uv + uv_step(footprint, offset);
@@ -172,7 +172,10 @@ fn truth(point: Point) -> @location(0) vec4u {
         let light_cosine = dot(normal, light.light_in_tangent);
         sum += frame.radiance * color_at(texel) * reflect(material(), frame.shininess, half_cosine, light_cosine);
     }
-    return seen(sum);
+    // A running mean keeps its digits; a sum of 65536 samples would lose four of its seven.
+    let mean = bitcast<vec3f>(textureLoad(mean_so_far, vec2i(lookup.pixel), 0).rgb);
+    let share = f32(frame.sample_count) / f32(frame.first_sample + frame.sample_count);
+    return seen(mean + share * (sum / f32(frame.sample_count) - mean));
 }
 
 // The mean colour around a point; white where the map has no colour.

@@ -80,7 +80,7 @@ pub struct SurfaceFrame {
 struct Targets {
     size: [u32; 2],
     truth: [Target; 2],
-    /// Which of the two holds the sum so far.
+    /// Which of the two holds the mean so far.
     latest: usize,
     vmf: Target,
     vmf_unaligned: Target,
@@ -269,7 +269,7 @@ impl SurfaceFrame {
     ) -> Result<Vec<[f32; 4]>, ReadbackError> {
         let drawn = self.targets.as_ref().filter(|targets| targets.drawn.contains_key(&method));
         let Some(target) = drawn.and_then(|targets| targets.of(method, &self.rivals)) else { return Ok(Vec::new()) };
-        let scale = self.scale(method);
+        let scale = self.exposure;
         let texels = readback::read_rgba32f(device, queue, &target.color)?;
         Ok(texels.into_iter().map(|[r, g, b, a]| [scale * r, scale * g, scale * b, a]).collect())
     }
@@ -337,7 +337,7 @@ impl SurfaceFrame {
                     self.surface.clear(encoder, target);
                 }
                 let next = 1 - targets.latest;
-                self.surface.draw(encoder, what, &self.textures, &targets.truth[next], Reads::Sum(target));
+                self.surface.draw(encoder, what, &self.textures, &targets.truth[next], Reads::Mean(target));
                 targets.latest = next;
                 self.truth_samples += self.samples_due();
             }
@@ -358,19 +358,11 @@ impl SurfaceFrame {
         self.budget.truth_batch.min(self.budget.truth_limit.saturating_sub(self.truth_samples))
     }
 
-    /// What a picture's texels are multiplied by: exposure, over the samples in the truth's sum.
-    fn scale(&self, method: Method) -> f32 {
-        match method {
-            Method::Truth => self.exposure / self.truth_samples.max(1) as f32,
-            Method::Rival(_) | Method::Vmf | Method::VmfUnaligned => self.exposure,
-        }
-    }
-
     fn compare_data(&self, input: &FrameInput<'_>, size: [u32; 2]) -> CompareData {
         let (left, right) = shown(input);
         CompareData {
-            left_scale: self.scale(left),
-            right_scale: self.scale(right),
+            left_scale: self.exposure,
+            right_scale: self.exposure,
             wipe: (input.wipe * size[0] as f32).round(),
             divider: if left == right { 0.0 } else { 1.0 },
         }
