@@ -2,6 +2,7 @@
 //! figures by which pictures are judged, the oracle of the sampled truth, and the picture of an NDF.
 
 pub mod exact_coverage;
+pub mod figures;
 pub mod flip;
 mod flip_color;
 pub mod metrics;
@@ -10,6 +11,7 @@ pub mod raster;
 pub mod shade;
 
 pub use exact_coverage::ExactCoverage;
+pub use figures::{Compared, Figures, Region};
 pub use flip::flip;
 pub use metrics::{normalised_color_error, rmse, standard_error};
 pub use ndf_density::NdfPicture;
