@@ -1,6 +1,6 @@
 // The lit surface, an entry point for the truth and for each way of shading lobes; the other methods' follows in
 // shared/rival.wgsl. Radiance in linear light, before exposure, alpha 1 where it is seen.
-// `truth` adds its samples to the sum so far; the others are whole pictures. The floats are written bit for bit into
+// `truth` takes its samples into the mean so far; the others are whole pictures. The floats are written bit for bit into
 // targets of unsigned integers, which every adapter can draw to; GL often cannot draw to 32-bit floats.
 
 struct Frame {
@@ -57,8 +57,8 @@ const MAX_LOBES: u32 = 16u;
 @group(1) @binding(4) var lobe_colors: texture_2d_array<f32>;
 @group(1) @binding(5) var trilinear: sampler;
 
-// The sum of the truth's samples so far.
-@group(2) @binding(0) var sum_so_far: texture_2d<u32>;
+// The mean of the truth's samples so far.
+@group(2) @binding(0) var mean_so_far: texture_2d<u32>;
 
 struct Corner {
     @location(0) position_in_world: vec3f,
@@ -73,13 +73,15 @@ struct Point {
     @location(1) tangent_in_world: vec3f,
     @location(2) normal_in_world: vec3f,
     @location(3) uv: vec2f,
+    // Depth along the view. The built-in position's fourth component is its inverse on some backends only.
+    @location(4) w: f32,
 }
 
 @vertex
 fn vertex(corner: Corner) -> Point {
     let position = frame.clip_from_world * vec4f(corner.position_in_world, 1.0);
     let uv = corner.uv * frame.tiling;
-    return Point(position, corner.position_in_world, corner.tangent_in_world, corner.normal_in_world, uv);
+    return Point(position, corner.position_in_world, corner.tangent_in_world, corner.normal_in_world, uv, position.w);
 }
 
 fn material() -> Material {
@@ -97,6 +99,16 @@ fn material() -> Material {
 // Fine derivatives, explicitly: the coarse ones may leave out half the quad, and the processor's twin takes these.
 fn lookup_of(point: Point) -> Lookup {
     return Lookup(point.uv, dpdxFine(point.uv), dpdyFine(point.uv), vec2u(point.position.xy));
+}
+
+// The derivatives at the pixel's centre from those between two pixels of the quad, one of which it is: a step of one
+// pixel to the other, o = 1 or -1, changes uv by d o / (1 + g o).
+fn footprint_of(point: Point, lookup: Lookup) -> PixelFootprint {
+    let nearness = 1.0 / point.w;
+    let perspective = vec2f(dpdxFine(nearness), dpdyFine(nearness)) * point.w;
+    let to_other = 1.0 - 2.0 * vec2f(lookup.pixel & vec2u(1u));
+    let stretch = 1.0 + to_other * perspective;
+    return PixelFootprint(stretch.x * lookup.uv_dx, stretch.y * lookup.uv_dy, perspective);
 }
 
 fn local_light(point: Point) -> LocalLight {
@@ -144,12 +156,13 @@ fn seen(color: vec3f) -> vec4u {
 @fragment
 fn truth(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
+    let footprint = footprint_of(point, lookup);
     let light = local_light(point);
     let size = vec2i(textureDimensions(means));
-    var sum = bitcast<vec3f>(textureLoad(sum_so_far, vec2i(lookup.pixel), 0).rgb);
+    var sum = vec3f(0.0);
     for (var i = 0u; i < frame.sample_count; i++) {
         let offset = jitter(lookup.pixel, frame.first_sample + i);
-        let uv = lookup.uv + offset.x * lookup.uv_dx + offset.y * lookup.uv_dy;
+        let uv = lookup.uv + uv_step(footprint, offset);
         let texel = vec2i(
             nearest_texel(uv.x, size.x, frame.wraps != 0u),
             nearest_texel(uv.y, size.y, frame.wraps != 0u),
@@ -160,7 +173,10 @@ fn truth(point: Point) -> @location(0) vec4u {
         let light_cosine = dot(normal, light.light_in_tangent);
         sum += frame.radiance * color_at(texel) * reflect(material(), frame.shininess, half_cosine, light_cosine);
     }
-    return seen(sum);
+    // A running mean keeps its digits; a sum of 65536 samples would lose four of its seven.
+    let mean = bitcast<vec3f>(textureLoad(mean_so_far, vec2i(lookup.pixel), 0).rgb);
+    let share = f32(frame.sample_count) / f32(frame.first_sample + frame.sample_count);
+    return seen(mean + share * (sum / f32(frame.sample_count) - mean));
 }
 
 // The mean colour around a point; white where the map has no colour.

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 
 use crate::brdf::Material;
 use crate::filter::probes::MOST_PROBES;
-use crate::filter::{Filter, LevelChoice, LevelRule, LocalLight, Lookup, Probes};
+use crate::filter::{Filter, LevelChoice, LevelRule, LocalLight, Lookup, PixelFootprint, Probes};
 use crate::lighting::DirectionalLight;
 use crate::scene::{Camera, Shape};
 
@@ -68,10 +68,12 @@ pub struct SurfacePoint {
     pub normal_in_world: Vec3,
     /// Texture coordinates, tiling applied.
     pub uv: Vec2,
-    /// Change of `uv` over one pixel to the right.
+    /// Change of `uv` over one pixel to the right, taken as a GPU takes it, between two pixels.
     pub uv_dx: Vec2,
-    /// Change of `uv` over one pixel down.
+    /// Change of `uv` over one pixel down, likewise.
     pub uv_dy: Vec2,
+    /// How `uv` runs over the pixel, exactly.
+    pub footprint: PixelFootprint,
 }
 
 impl SurfacePoint {
@@ -98,9 +100,8 @@ pub fn shade_point(
     };
     let light =
         LocalLight { light_in_tangent: tangent_from_world(to_light), half_in_tangent: tangent_from_world(half) };
-    let SurfacePoint { uv_dx, uv_dy, .. } = *point;
     let probe = |offset: Vec2| {
-        let lookup = Lookup { uv: point.uv + offset, uv_dx, uv_dy, lod: probes.lod, pixel };
+        let lookup = Lookup { uv: point.uv + offset, footprint: point.footprint, lod: probes.lod, pixel };
         filter.shade(&lookup, &light, &surface.material)
     };
     let reflected: Vec3 = if filter.takes_probes() {

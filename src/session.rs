@@ -76,6 +76,9 @@ pub struct Session {
 }
 
 impl Session {
+    /// Samples per pixel of the truth that nobody chose: the standard error is then a thousandth or so.
+    pub const TRUTH_SAMPLES: u32 = 4096;
+
     /// A session with the default bundled map, not fitted yet; `wake` is called when news wait.
     pub fn new(wake: Wake) -> Self {
         Self::with_map(procedural::default_map(), wake)
@@ -96,7 +99,7 @@ impl Session {
         Self {
             surface: LitSurface::default(),
             comparison: Comparison::default(),
-            truth_samples: 1024,
+            truth_samples: Self::TRUTH_SAMPLES,
             selected: default_selection(&map),
             fitting,
             opening: Opening::default(),

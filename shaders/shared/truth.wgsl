@@ -1,4 +1,4 @@
-// Twin of filter/truth.rs.
+// Twin of filter/truth.rs and filter/pixel_footprint.rs.
 
 const R2_STEP = vec2u(3242174889u, 2447445414u);
 
@@ -18,4 +18,20 @@ fn jitter(pixel: vec2u, index: u32) -> vec2f {
 // The base texel under `coordinate` along an axis of `size` texels.
 fn nearest_texel(coordinate: f32, size: i32, wraps: bool) -> i32 {
     return address(i32(floor(coordinate * f32(size))), size, wraps);
+}
+
+// How texture coordinates run over one pixel.
+struct PixelFootprint {
+    dx: vec2f,
+    dy: vec2f,
+    perspective: vec2f,
+}
+
+// The least that 1 + g . o may be.
+const HORIZON: f32 = 0.015625;
+
+// The change of uv over `offset` pixels from the centre.
+fn uv_step(footprint: PixelFootprint, offset: vec2f) -> vec2f {
+    let nearness = max(1.0 + dot(footprint.perspective, offset), HORIZON);
+    return (offset.x * footprint.dx + offset.y * footprint.dy) / nearness;
 }

@@ -28,6 +28,8 @@ pub enum Command {
     CancelFit,
     /// Light, material, shape, camera.
     SetSurface(LitSurface),
+    /// Samples per pixel at which the truth is done.
+    SetTruthSamples(u32),
     /// Methods, and how they stand beside each other.
     SetComparison(Comparison),
     /// Select a texel.
@@ -51,6 +53,7 @@ impl Command {
             Self::Refit => session.refit(),
             Self::CancelFit => session.cancel_fit(),
             Self::SetSurface(surface) => session.surface = surface,
+            Self::SetTruthSamples(samples) => session.truth_samples = samples,
             Self::SetComparison(comparison) => session.comparison = comparison,
             Self::Select(texel) => session.select(texel),
             Self::Report(message) => session.report(message),

@@ -16,7 +16,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::look::LookArguments;
 use super::options::{FitArguments, MapArguments, write_text};
-use super::render::PictureSize;
+use super::render::{PICTURE_SAMPLES, PictureSize};
 use super::start::Start;
 use crate::filter::{MethodChoice, Rival};
 use crate::gpu::Gpu;
@@ -78,9 +78,6 @@ pub struct CompareCommand {
     #[arg(long, value_name = "FILE")]
     pub sheet: Option<PathBuf>,
 }
-
-/// The fewest samples per pixel of a reference that nobody chose.
-const LEAST_SAMPLES: u32 = 1024;
 
 fn parse_distance(text: &str) -> Result<f32, String> {
     let range = Camera::MIN_DISTANCE..=Camera::MAX_DISTANCE;
@@ -153,8 +150,11 @@ impl CompareCommand {
 
     fn session_of(&self, map: Option<&Path>) -> anyhow::Result<Session> {
         let start = Start { map, map_arguments: &self.map_arguments, fit: &self.fit, session: self.session.as_deref() };
-        let mut session = start.session(|file| self.look.apply_to(&mut file.surface))?;
-        session.truth_samples = self.samples.unwrap_or(session.truth_samples.max(LEAST_SAMPLES));
+        let mut session = start.session(|file| {
+            self.look.apply_to(&mut file.surface);
+            let own = file.truth_samples.unwrap_or(PICTURE_SAMPLES).max(PICTURE_SAMPLES);
+            file.truth_samples = Some(self.samples.unwrap_or(own));
+        })?;
         session.skip_previews();
         Ok(session)
     }

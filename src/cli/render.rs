@@ -67,10 +67,14 @@ pub struct SceneArguments {
     /// From the eye to the surface's centre.
     #[arg(long, value_name = "D")]
     pub distance: Option<f32>,
-    /// Samples per pixel of the truth.
+    /// Samples per pixel of the truth; the session's or, without one, 1024.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub samples: Option<u32>,
 }
+
+/// Samples per pixel of a truth that nobody chose and nobody watches: a quarter of the window's, for a picture has to
+/// wait for all of them.
+pub const PICTURE_SAMPLES: u32 = 1024;
 
 /// Pixels across and down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,7 +122,7 @@ impl SceneArguments {
         if let Some(choice) = self.method {
             (comparison.right, comparison.wipe) = (choice.method, 0.0);
         }
-        file.truth_samples = self.samples.or(file.truth_samples);
+        file.truth_samples = self.samples.or(file.truth_samples).or(Some(PICTURE_SAMPLES));
         let surface = &mut file.surface;
         self.look.apply_to(surface);
         let distance = self.distance.unwrap_or(surface.camera.distance);

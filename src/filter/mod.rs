@@ -8,6 +8,7 @@ pub mod gmm;
 pub mod harmonics;
 pub mod lean;
 pub mod method;
+pub mod pixel_footprint;
 pub mod plain_mip;
 pub mod probes;
 pub mod rival;
@@ -22,6 +23,7 @@ use crate::brdf::{Brdf, Material};
 use crate::normal_map::pyramid::Texel;
 
 pub use method::{Method, MethodChoice, ParseMethodError};
+pub use pixel_footprint::PixelFootprint;
 pub use plain_mip::PlainMip;
 pub use probes::{LevelChoice, LevelRule, Probes};
 pub use rival::{Rival, RivalFilter};
@@ -33,10 +35,8 @@ pub use vmf::{UnalignedVmf, VmfFilter};
 pub struct Lookup {
     /// Texture coordinates: `u` right, `v` down, one unit per map.
     pub uv: Vec2,
-    /// Change of `uv` over one pixel to the right.
-    pub uv_dx: Vec2,
-    /// Change of `uv` over one pixel down.
-    pub uv_dy: Vec2,
+    /// How `uv` runs over the pixel.
+    pub footprint: PixelFootprint,
     /// Level of detail, already clamped to the levels there are.
     pub lod: f32,
     /// Integer pixel coordinates, which seed the truth's jitter.

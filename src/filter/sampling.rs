@@ -6,6 +6,14 @@ use glam::Vec2;
 
 use crate::normal_map::Addressing;
 
+/// The texel that stands at `index` of an axis of `size` texels, beyond its ends too.
+pub fn address(index: i64, size: usize, addressing: Addressing) -> usize {
+    match addressing {
+        Addressing::Wrap => index.rem_euclid(size as i64) as usize,
+        Addressing::Clamp => index.clamp(0, size as i64 - 1) as usize,
+    }
+}
+
 /// The texels of one level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid {
@@ -36,14 +44,7 @@ impl Grid {
 
     fn pair(self, position: f32, size: usize) -> [usize; 2] {
         let first = position.floor() as i64;
-        [self.address(first, size), self.address(first + 1, size)]
-    }
-
-    fn address(self, index: i64, size: usize) -> usize {
-        match self.addressing {
-            Addressing::Wrap => index.rem_euclid(size as i64) as usize,
-            Addressing::Clamp => index.clamp(0, size as i64 - 1) as usize,
-        }
+        [first, first + 1].map(|index| address(index, size, self.addressing))
     }
 }
 

@@ -134,7 +134,7 @@ fn wanted_name() -> Option<String> {
 }
 
 /// What is asked of an adapter: its own texture and buffer limits, so that an 8192 x 8192 map fits where it can, and
-/// filtering of 32-bit textures where it is offered.
+/// filtering of 32-bit textures and timestamps where they are offered.
 pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
     let offered = adapter.limits();
     let limits = wgpu::Limits {
@@ -145,7 +145,7 @@ pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'sta
     };
     wgpu::DeviceDescriptor {
         label: Some("inspector device"),
-        required_features: adapter.features() & wgpu::Features::FLOAT32_FILTERABLE,
+        required_features: adapter.features() & (wgpu::Features::FLOAT32_FILTERABLE | wgpu::Features::TIMESTAMP_QUERY),
         required_limits: limits,
         ..Default::default()
     }

@@ -217,7 +217,7 @@ impl SurfaceFrame {
         let Some(picture) = self.find(method).filter(|picture| picture.drawn.is_some()) else {
             return Ok(Vec::new());
         };
-        let scale = self.scale(method);
+        let scale = self.exposure;
         let texels = readback::read_rgba32f(device, queue, &picture.target.color)?;
         Ok(texels.into_iter().map(|[r, g, b, a]| [scale * r, scale * g, scale * b, a]).collect())
     }
@@ -287,7 +287,7 @@ impl SurfaceFrame {
                 if self.truth_samples == 0 {
                     surface.clear(encoder, target);
                 }
-                surface.draw(encoder, what, map, next, Reads::Sum(target));
+                surface.draw(encoder, what, map, next, Reads::Mean(target));
                 std::mem::swap(next, target);
                 self.truth_samples += samples_due;
             }
@@ -305,21 +305,13 @@ impl SurfaceFrame {
         self.budget.truth_batch.min(self.budget.truth_limit.saturating_sub(self.truth_samples))
     }
 
-    /// What a picture's texels are multiplied by: exposure, over the samples in the truth's sum.
-    fn scale(&self, method: Method) -> f32 {
-        match method {
-            Method::Truth => self.exposure / self.truth_samples.max(1) as f32,
-            Method::Rival(_) | Method::Vmf | Method::VmfUnaligned => self.exposure,
-        }
-    }
-
     /// What a cell shows, once its pictures are there.
     fn compared(&self, input: &FrameInput<'_>, cell: usize, origin: [u32; 2]) -> Option<ComparedPictures> {
         let methods = input.arrangement.methods_in(cell);
         let [left, right] = methods.map(|index| self.find(input.methods.get(index)?.method));
         let (left, right) = (left?, right?);
         let mut data = CompareData::of_cell(input.arrangement, input.size, origin);
-        (data.left_scale, data.right_scale) = (self.scale(left.method), self.scale(right.method));
+        (data.left_scale, data.right_scale) = (self.exposure, self.exposure);
         if left.method == right.method {
             data.divider = 0.0;
         }

@@ -52,11 +52,11 @@ fn without_number(method: Method) -> Method {
 
 impl SurfacePipelines {
     /// Compiles the truth and the lobes for maps without colour and rules of closed form; `groups` are frame and map,
-    /// then the truth's sum so far and a rival's channels, which take the same place.
+    /// then the truth's mean so far and a rival's channels, which take the same place.
     pub fn new(
         device: &wgpu::Device,
         [frame, map]: [&wgpu::BindGroupLayout; 2],
-        [sum, rival]: [&wgpu::BindGroupLayout; 2],
+        [mean, rival]: [&wgpu::BindGroupLayout; 2],
     ) -> Self {
         let layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -69,7 +69,7 @@ impl SurfacePipelines {
             shader: layout::shader(device, "surface", &SHADER),
             rival_shaders: HashMap::new(),
             layout: layout(&[Some(frame), Some(map)]),
-            truth_layout: layout(&[Some(frame), Some(map), Some(sum)]),
+            truth_layout: layout(&[Some(frame), Some(map), Some(mean)]),
             rival_layout: layout(&[Some(frame), Some(map), Some(rival)]),
             made: HashMap::new(),
         };

@@ -42,7 +42,11 @@ type Kernel = Vec<f64>;
 /// The mean FLIP error over the covered pixels, of the pictures as sRGB shows them. `None` where nothing is seen or the
 /// pictures differ in size.
 pub fn flip(picture: &Picture, reference: &Picture) -> Option<f64> {
-    let errors = flip_map(picture, reference, PIXELS_PER_DEGREE)?;
+    mean_flip(&flip_map(picture, reference, PIXELS_PER_DEGREE)?, reference)
+}
+
+/// The mean of the errors of [`flip_map`] over the pixels that the reference covers; `None` where there is none.
+pub fn mean_flip(errors: &[f64], reference: &Picture) -> Option<f64> {
     let seen = errors.iter().zip(&reference.covered).filter(|(_, covered)| **covered);
     let (sum, count) = seen.fold((0.0, 0_u32), |(sum, count), (error, _)| (sum + error, count + 1));
     (count > 0).then(|| sum / f64::from(count))

@@ -17,6 +17,17 @@ pub fn rmse(picture: &Picture, reference: &Picture) -> Option<f64> {
     mean(covered(picture, reference).map(|(color, truth)| (color - truth).length_squared() / 3.0)).map(f64::sqrt)
 }
 
+/// The standard error of a sampled picture, as a normalised colour error, from the picture that its first half of the
+/// samples gave. `None` where nothing is seen.
+///
+/// Of `N` samples with mean `M`, the first half has mean `A` and the second `B = 2M - A`; two independent halves put
+/// the variance of `M` at `((A - B) / 2)^2 = (A - M)^2`. Its root goes into the same average as the methods' errors.
+/// The samples are a low-discrepancy sequence, whose halves are off by more than the whole, so the estimate errs to
+/// the large side.
+pub fn standard_error(half: &Picture, whole: &Picture) -> Option<f64> {
+    normalised_color_error(half, whole)
+}
+
 fn covered<'a>(picture: &'a Picture, reference: &'a Picture) -> impl Iterator<Item = (glam::DVec3, glam::DVec3)> + 'a {
     let pairs = picture.rgb.iter().zip(&reference.rgb).zip(&reference.covered);
     pairs.filter(|(_, covered)| **covered).map(|((color, truth), _)| (color.as_dvec3(), truth.as_dvec3()))

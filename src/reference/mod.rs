@@ -1,6 +1,8 @@
 //! The processor's own picture of the lit surface, pixel for pixel what the graphics adapter should draw, the
-//! figures by which pictures are judged, and the picture of an NDF.
+//! figures by which pictures are judged, the oracle of the sampled truth, and the picture of an NDF.
 
+pub mod exact_coverage;
+pub mod figures;
 pub mod flip;
 mod flip_color;
 pub mod metrics;
@@ -8,7 +10,9 @@ pub mod ndf_density;
 pub mod raster;
 pub mod shade;
 
+pub use exact_coverage::ExactCoverage;
+pub use figures::{Compared, Figures, Region};
 pub use flip::flip;
-pub use metrics::{normalised_color_error, rmse};
+pub use metrics::{normalised_color_error, rmse, standard_error};
 pub use ndf_density::NdfPicture;
 pub use shade::{Picture, render};

@@ -5,8 +5,9 @@
 //! `sum b_i a_i / sum b_i` is attribute `a` with perspective. Nothing is clipped, corners behind the eye included;
 //! depth outside `0..=1` is rejected per pixel.
 
-use glam::{DMat3, DVec2, DVec3, Vec3};
+use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 
+use crate::filter::PixelFootprint;
 use crate::filter::truth::nearest_texel;
 use crate::lit_surface::{LitSurface, SurfacePoint};
 use crate::normal_map::NormalMap;
@@ -163,7 +164,24 @@ impl<'a> ScreenTriangle<'a> {
             uv: uv(pixel).as_vec2(),
             uv_dx: (uv([x | 1, y]) - uv([x & !1, y])).as_vec2(),
             uv_dy: (uv([x, y | 1]) - uv([x, y & !1])).as_vec2(),
+            footprint: self.footprint(pixel, surface.shape.tiling),
         }
+    }
+
+    /// From the linear `b_i`: with `q = sum b_i`, `uv = sum b_i uv_i / q` has the derivative
+    /// `(sum b_i' uv_i - uv q') / q`.
+    fn footprint(&self, pixel: [u32; 2], tiling: [f32; 2]) -> PixelFootprint {
+        let uv = self.uv(pixel, tiling);
+        let nearness = self.coverage(pixel).element_sum();
+        let tiling = DVec2::new(f64::from(tiling[0]), f64::from(tiling[1]));
+        let derivatives = [0, 1].map(|axis| {
+            let slope = self.coverage_from_pixel.col(axis);
+            let change = tiling * self.blend(slope, |v| [v.uv[0], v.uv[1], 0.0]).truncate();
+            let approach = slope.element_sum() / nearness;
+            (((change / nearness) - approach * uv).as_vec2(), approach as f32)
+        });
+        let [(dx, right), (dy, down)] = derivatives;
+        PixelFootprint { dx, dy, perspective: Vec2::new(right, down) }
     }
 }
 

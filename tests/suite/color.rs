@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use ndf_inspector::brdf::Material;
 use ndf_inspector::export::lobes_exr::{FittedLobes, read_bytes, write};
 use ndf_inspector::filter::vmf::{Alignment, FitSettings, Fold, LobePyramid, Objective, Rules};
-use ndf_inspector::filter::{Filter, LocalLight, Lookup, PlainMip, Truth, VmfFilter};
+use ndf_inspector::filter::{Filter, LocalLight, Lookup, PixelFootprint, PlainMip, Truth, VmfFilter};
 use ndf_inspector::normal_map::pyramid::Texel;
 use ndf_inspector::normal_map::{Addressing, MapOptions, MapSource, NormalMap};
 
@@ -34,8 +34,8 @@ pub fn settings(lobes: usize, align: Alignment) -> FitSettings {
 fn seen_from(filter: &dyn Filter, side: f32) -> Vec3 {
     let direction = Vec3::new(side * 0.7, 0.0, 0.714).normalize();
     let light = LocalLight { light_in_tangent: direction, half_in_tangent: direction };
-    let (uv_dx, uv_dy) = (Vec2::X, Vec2::Y);
-    let lookup = Lookup { uv: Vec2::splat(0.5), uv_dx, uv_dy, lod: 5.0, pixel: [3, 4] };
+    let footprint = PixelFootprint { dx: Vec2::X, dy: Vec2::Y, ..PixelFootprint::default() };
+    let lookup = Lookup { uv: Vec2::splat(0.5), footprint, lod: 5.0, pixel: [3, 4] };
     let white = Material { diffuse_color: Vec3::ONE, specular_color: Vec3::ONE, ..Material::default() };
     filter.shade(&lookup, &light, &white)
 }

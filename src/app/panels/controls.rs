@@ -39,6 +39,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         rule(ui);
         heading(ui, "Surface");
         shape(ui, &mut surface, context.session.map().level_sizes().len());
+        truth_samples(ui, context);
         ui.add_space(2.0 * theme::GRID);
         if surface != context.session.surface {
             context.push(Command::SetSurface(surface));
@@ -296,6 +297,13 @@ fn shape(ui: &mut Ui, surface: &mut LitSurface, levels: usize) {
         surface.anisotropy = probes as u32;
     }
     p::EXPOSURE.show_f32(ui, &mut surface.exposure_stops);
+}
+
+fn truth_samples(ui: &mut Ui, context: &mut PanelContext<'_>) {
+    let mut samples = context.session.truth_samples as usize;
+    if p::TRUTH_SAMPLES.show_count(ui, &mut samples) {
+        context.push(Command::SetTruthSamples(samples as u32));
+    }
 }
 
 /// Which level is read: by the pixel's size, or one everywhere.

@@ -1,9 +1,4 @@
 //! Pictures of every method of one map, and what they are off the truth.
-//!
-//! The reference's standard error comes from its halves. Of `N` samples with mean `M`, the first half has mean `A` and
-//! the second `B = 2M - A`; two independent halves put the variance of `M` at `((A - B) / 2)^2 = (A - M)^2`. Its
-//! root goes into the same average as the methods' errors. The samples are a low-discrepancy sequence, whose halves
-//! are off by more than the whole, so the estimate errs to the large side.
 
 use std::time::Instant;
 
@@ -18,7 +13,7 @@ use crate::filter::{Method, MethodChoice};
 use crate::gpu::map_group::{COLOR_FORMAT, float_format};
 use crate::gpu::{FrameBudget, FrameInput, Gpu, PICTURE_FORMAT, SurfaceFrame};
 use crate::lit_surface::LitSurface;
-use crate::reference::{Picture, flip, normalised_color_error, rmse};
+use crate::reference::{Picture, flip, normalised_color_error, rmse, standard_error};
 use crate::session::Session;
 
 /// Frames whose median time is reported.
@@ -149,7 +144,7 @@ impl<'a> Measurer<'a> {
         self.frame.budget.truth_limit = samples;
         self.frame.complete(self.gpu, &input)?;
         let truth = self.picture(Method::Truth)?;
-        let standard_error = normalised_color_error(&half, &truth);
+        let standard_error = standard_error(&half, &truth);
         let reference = Reference { samples_per_pixel: samples, standard_error };
         Ok(View { surface, truth, reference, milliseconds: 1000.0 * start.elapsed().as_secs_f64() })
     }

@@ -14,7 +14,7 @@ use crate::gpu::textures::MapTextures;
 use crate::lit_surface::LitSurface;
 use crate::scene::ShapeKind;
 
-/// The format of the pictures: 32-bit floats, which sums of many samples need, bit for bit in unsigned integers, which
+/// The format of the pictures: 32-bit floats, which means of many samples need, bit for bit in unsigned integers, which
 /// every adapter can draw to.
 pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 /// The format of their depth.
@@ -145,7 +145,7 @@ pub struct SurfacePass {
     constants: wgpu::Buffer,
     exact_tables: ExactTables,
     frame_group: wgpu::BindGroup,
-    sum_layout: wgpu::BindGroupLayout,
+    mean_layout: wgpu::BindGroupLayout,
     rival_layout: wgpu::BindGroupLayout,
     meshes: HashMap<ShapeKind, MeshBuffers>,
 }
@@ -155,8 +155,8 @@ pub struct SurfacePass {
 pub enum Reads<'a> {
     /// Nothing.
     Nothing,
-    /// The truth's sum so far.
-    Sum(&'a Target),
+    /// The truth's mean so far.
+    Mean(&'a Target),
     /// A rival's channels.
     Channels(&'a RivalTextures),
 }
@@ -175,8 +175,8 @@ pub struct Target {
     pub color: wgpu::Texture,
     view: wgpu::TextureView,
     depth: wgpu::TextureView,
-    /// The picture as the truth reads its sum so far.
-    as_sum: wgpu::BindGroup,
+    /// The picture as the truth reads its mean so far.
+    as_mean: wgpu::BindGroup,
 }
 
 impl Target {
@@ -191,17 +191,17 @@ impl SurfacePass {
     pub fn new(device: &wgpu::Device, map: &wgpu::BindGroupLayout) -> Self {
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM, ExactTables::BINDING]);
-        let sum_type = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
-        let sum_layout = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[sum_type]);
+        let mean_type = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
+        let mean_layout = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[mean_type]);
         let rival_layout = RivalTextures::layout(device);
-        let pipelines = SurfacePipelines::new(device, [&frame, map], [&sum_layout, &rival_layout]);
+        let pipelines = SurfacePipelines::new(device, [&frame, map], [&mean_layout, &rival_layout]);
         let constants = uniform_buffer::<FrameData>(device, "surface frame");
         let exact_tables = ExactTables::new(device);
         let tables = exact_tables.view();
         let resources = [constants.as_entire_binding(), wgpu::BindingResource::TextureView(&tables)];
         let frame_group = bind_group(device, "surface frame", &frame, &resources);
         let (variant, meshes) = (Variant::default(), HashMap::new());
-        Self { pipelines, variant, constants, exact_tables, frame_group, sum_layout, rival_layout, meshes }
+        Self { pipelines, variant, constants, exact_tables, frame_group, mean_layout, rival_layout, meshes }
     }
 
     /// No channels yet, of a rival that is to be drawn.
@@ -218,8 +218,8 @@ impl SurfacePass {
         let view = color.create_view(&wgpu::TextureViewDescriptor { label: Some(label), ..Default::default() });
         let depth_label = wgpu::TextureViewDescriptor { label: Some("surface depth"), ..Default::default() };
         let resource = wgpu::BindingResource::TextureView(&view);
-        let as_sum = bind_group(device, "truth so far", &self.sum_layout, &[resource]);
-        Target { depth: depth.create_view(&depth_label), as_sum, color, view }
+        let as_mean = bind_group(device, "truth so far", &self.mean_layout, &[resource]);
+        Target { depth: depth.create_view(&depth_label), as_mean, color, view }
     }
 
     /// Writes the frame's constants and makes sure of the mesh and of the tables that the material needs.
@@ -254,7 +254,7 @@ impl SurfacePass {
         pass.set_bind_group(1, map.bind_group(), &[]);
         match reads {
             Reads::Nothing => {}
-            Reads::Sum(sum) => pass.set_bind_group(2, &sum.as_sum, &[]),
+            Reads::Mean(mean) => pass.set_bind_group(2, &mean.as_mean, &[]),
             Reads::Channels(channels) => pass.set_bind_group(2, channels.bind_group(), &[]),
         }
         pass.set_vertex_buffer(0, mesh.vertices.slice(..));

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use ndf_inspector::color::srgb8_from_linear;
-use ndf_inspector::filter::LevelChoice;
 use ndf_inspector::comparison::Arrangement;
+use ndf_inspector::filter::LevelChoice;
 use ndf_inspector::filter::Method;
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame, render_to_rgba8};
 use ndf_inspector::normal_map::Addressing;
@@ -49,7 +49,10 @@ fn the_truth_of_two_frames_of_32_samples_is_that_of_one_of_64() {
         assert_eq!(frame.truth_samples(), 64);
         linear(&frame, Method::Truth)
     };
-    assert_eq!(picture(32), picture(64));
+    // The two means are rounded once more than the one.
+    for (two, one) in picture(32).iter().zip(picture(64)) {
+        assert!((0..3).all(|c| (two[c] - one[c]).abs() <= 2e-6 * one[c]), "{two:?} and {one:?}");
+    }
 }
 
 #[test]

@@ -3,10 +3,12 @@
 use glam::{Vec2, Vec3};
 use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::color::srgb8_from_linear;
-use ndf_inspector::filter::LevelChoice;
 use ndf_inspector::comparison::ShownMethod;
+use ndf_inspector::filter::LevelChoice;
 use ndf_inspector::filter::vmf::{Fold, Rules};
-use ndf_inspector::filter::{Filter, LocalLight, Lookup, Method, Rival, Truth, UnalignedVmf, VmfFilter};
+use ndf_inspector::filter::{
+    Filter, LocalLight, Lookup, Method, PixelFootprint, Rival, Truth, UnalignedVmf, VmfFilter,
+};
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame};
 use ndf_inspector::normal_map::Addressing;
 use ndf_inspector::reference::{self, Picture};
@@ -38,9 +40,14 @@ pub(super) fn on_adapter(scene: &Scene, method: Method) -> Picture {
     let methods = vec![ShownMethod { method, channels: scene.channels(method) }];
     let input = FrameInput { methods, ..scene.input(method) };
     frame.complete(gpu(), &input).expect("the device works");
+    picture(&frame, scene.size, method)
+}
+
+/// The picture of one method as `frame` last drew it.
+pub(super) fn picture(frame: &SurfaceFrame, size: [u32; 2], method: Method) -> Picture {
     let texels = frame.linear(&gpu().device, &gpu().queue, method).expect("readable");
     Picture {
-        size: scene.size,
+        size,
         rgb: texels.iter().map(|t| Vec3::new(t[0], t[1], t[2])).collect(),
         covered: texels.iter().map(|t| t[3] > 0.5).collect(),
     }
@@ -154,7 +161,7 @@ fn at_a_texel_centre_unaligned_shading_is_aligned_shading_and_between_two_it_is_
     let material = scene.surface.material;
     let at = |filter: &dyn Filter, x: f32| {
         let uv = Vec2::new((x + 0.5) / 16.0, 3.5 / 16.0);
-        let lookup = Lookup { uv, uv_dx: Vec2::ZERO, uv_dy: Vec2::ZERO, lod: 2.0, pixel: [3, 4] };
+        let lookup = Lookup { uv, footprint: PixelFootprint::default(), lod: 2.0, pixel: [3, 4] };
         filter.shade(&lookup, &light, &material)
     };
     for x in 0..15 {
@@ -321,7 +328,7 @@ fn at_a_texel_centre_of_level_0_every_method_gives_the_unfiltered_shading() {
     };
     for texel in 0..64 {
         let uv = (Vec2::new((texel % 8) as f32, (texel / 8) as f32) + 0.5) / 8.0;
-        let lookup = Lookup { uv, uv_dx: Vec2::ZERO, uv_dy: Vec2::ZERO, lod: 0.0, pixel: [3, 4] };
+        let lookup = Lookup { uv, footprint: PixelFootprint::default(), lod: 0.0, pixel: [3, 4] };
         let truth = Truth { map: scene.map().clone(), samples: 1 }.shade(&lookup, &light, &material);
         for filter in [&*scene.mip as &dyn Filter, &vmf] {
             let shaded = filter.shade(&lookup, &light, &material);

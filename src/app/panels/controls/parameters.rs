@@ -6,6 +6,7 @@ use crate::filter::LevelChoice;
 use crate::filter::probes::MOST_PROBES;
 use crate::filter::vmf::{Alignment, Objective, Selection};
 use crate::lighting::DirectionalLight;
+use crate::session::Session;
 use crate::session::opening::DEFAULT_HEIGHT_SCALE;
 
 const MATERIAL: Material = Material::DEFAULT;
@@ -223,6 +224,16 @@ pub(super) const EXPOSURE: Parameter = Parameter {
     unit: " EV",
     decimals: 1,
     tooltip: "Stops: each doubles the picture's linear values.",
+    ..PLAIN
+};
+pub(super) const TRUTH_SAMPLES: Parameter = Parameter {
+    name: "Truth samples",
+    range: [16.0, 65536.0],
+    default: Session::TRUTH_SAMPLES as f64,
+    decimals: 0,
+    logarithmic: true,
+    tooltip: "Samples per pixel at which the truth is done. It starts anew only where its own picture changes; more \
+              samples go on from those there are.",
     ..PLAIN
 };
 
