@@ -9,6 +9,6 @@ pub mod raster;
 pub mod shade;
 
 pub use flip::flip;
-pub use metrics::{normalised_color_error, rmse};
+pub use metrics::{normalised_color_error, rmse, temporal_change};
 pub use ndf_density::NdfPicture;
 pub use shade::{Picture, render};
