@@ -69,6 +69,11 @@ impl Message {
     pub fn error(text: impl Into<String>) -> Self {
         Self { text: text.into(), is_error: true, offer: None }
     }
+
+    /// A remark.
+    pub fn remark(text: impl Into<String>) -> Self {
+        Self { is_error: false, ..Self::error(text) }
+    }
 }
 
 /// What is open, chosen and fitted.
