@@ -95,9 +95,8 @@ fn density(direction_in_tangent: vec3f) -> f32 {
 }
 
 fn heat(t: f32) -> vec3f {
-    let scaled = clamp(t, 0.0, 1.0) * 8.0;
-    let index = min(u32(scaled), 7u);
-    return mix(sphere.heat[index].rgb, sphere.heat[index + 1u].rgb, scaled - f32(index));
+    let stop = color_stop(t);
+    return mix(sphere.heat[stop.index].rgb, sphere.heat[stop.index + 1u].rgb, stop.blend);
 }
 
 fn density_color(direction_in_tangent: vec3f) -> vec3f {

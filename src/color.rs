@@ -42,7 +42,7 @@ pub const LOBE_COLORS: [[u8; 3]; 16] = [
 /// A perceptual sequential map from dark to bright for `t` in `0..=1`: nine stops of the map *inferno*
 /// (Smith and van der Walt 2015), sRGB.
 pub fn heat(t: f32) -> [u8; 3] {
-    const STOPS: [[f32; 3]; 9] = [
+    const STOPS: [[f32; 3]; COLOR_STOPS] = [
         [0.0, 0.0, 4.0],
         [31.0, 12.0, 72.0],
         [85.0, 15.0, 109.0],
@@ -53,10 +53,42 @@ pub fn heat(t: f32) -> [u8; 3] {
         [249.0, 201.0, 50.0],
         [252.0, 255.0, 164.0],
     ];
-    let scaled = t.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
-    let index = (scaled as usize).min(STOPS.len() - 2);
+    between(&STOPS, t)
+}
+
+/// A diverging map from blue over light grey to red for `t` in `0..=1`: nine stops of the *smooth cool-warm* map
+/// (Moreland 2009), sRGB.
+pub fn diverging(t: f32) -> [u8; 3] {
+    const STOPS: [[f32; 3]; COLOR_STOPS] = [
+        [59.0, 76.0, 192.0],
+        [98.0, 130.0, 234.0],
+        [141.0, 176.0, 254.0],
+        [184.0, 208.0, 249.0],
+        [221.0, 221.0, 221.0],
+        [245.0, 196.0, 173.0],
+        [244.0, 154.0, 123.0],
+        [222.0, 96.0, 77.0],
+        [180.0, 4.0, 38.0],
+    ];
+    between(&STOPS, t)
+}
+
+/// Stops of a colour map, evenly spaced from 0 to 1.
+pub const COLOR_STOPS: usize = 9;
+
+/// The stops of a colour map as the shaders take them: sRGB in `0..=1`, and opaque.
+pub fn color_stops(map: impl Fn(f32) -> [u8; 3]) -> [[f32; 4]; COLOR_STOPS] {
+    std::array::from_fn(|stop| {
+        let [r, g, b] = map(stop as f32 / (COLOR_STOPS - 1) as f32).map(|code| f32::from(code) / 255.0);
+        [r, g, b, 1.0]
+    })
+}
+
+fn between(stops: &[[f32; 3]; COLOR_STOPS], t: f32) -> [u8; 3] {
+    let scaled = t.clamp(0.0, 1.0) * (COLOR_STOPS - 1) as f32;
+    let index = (scaled as usize).min(COLOR_STOPS - 2);
     let blend = scaled - index as f32;
-    std::array::from_fn(|c| (STOPS[index][c] * (1.0 - blend) + STOPS[index + 1][c] * blend).round() as u8)
+    std::array::from_fn(|c| (stops[index][c] * (1.0 - blend) + stops[index + 1][c] * blend).round() as u8)
 }
 
 #[cfg(test)]
@@ -69,6 +101,15 @@ mod tests {
             let value = i as f32 / 1000.0;
             assert!((linear_from_srgb(srgb_from_linear(value)) - value).abs() < 1e-5);
         }
+    }
+
+    #[test]
+    fn the_diverging_map_is_brightest_and_grey_in_the_middle() {
+        let luma = |t: f32| diverging(t).iter().map(|&c| u32::from(c)).sum::<u32>();
+        assert!((0..4).all(|i| luma(i as f32 / 8.0) < luma((i + 1) as f32 / 8.0)));
+        assert!((4..8).all(|i| luma(i as f32 / 8.0) > luma((i + 1) as f32 / 8.0)));
+        let [r, g, b] = diverging(0.5);
+        assert!(r == g && g == b);
     }
 
     #[test]

@@ -25,7 +25,7 @@
 //! | 0 | [`sphere`], [`color`] | mathematics on the unit sphere |
 //! | 1 | [`image_io`], [`normal_map`], [`scene`] | what is loaded and looked at |
 //! | 2 | [`ndf`], [`brdf`], [`lighting`] | what a texel holds, what it reflects |
-//! | 3 | [`filter`], [`lit_surface`] | every filtering method behind one trait; what the surface's picture depends on |
+//! | 3 | [`filter`], [`lit_surface`], [`comparison`] | every filtering method behind one trait; what the surface's picture depends on; which methods are seen beside each other |
 //! | 4 | [`reference`](mod@reference), [`export`], [`gpu`] | pictures and figures on the processor; files; pictures on the GPU |
 //! | 5 | [`jobs`], [`session`], [`measure`] | the only threads; the one document; methods held against the truth |
 //! | 6 | [`app`], [`headless`], [`cli`] | faces |
@@ -43,6 +43,7 @@ pub mod app;
 pub mod brdf;
 pub mod cli;
 pub mod color;
+pub mod comparison;
 pub mod export;
 pub mod filter;
 pub mod gpu;

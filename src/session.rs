@@ -15,6 +15,7 @@ pub mod rivals;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
+use crate::comparison::{Comparison, ShownMethod};
 use crate::filter::channels::ChannelPyramid;
 use crate::filter::vmf::{FitSettings, LobePyramid};
 use crate::filter::{Method, PlainMip};
@@ -25,24 +26,6 @@ use crate::normal_map::{MapOptions, MapSource, NormalMap, procedural};
 use fitting::Fitting;
 use opening::Opening;
 pub use opening::{MapRequest, OpenedMap};
-
-/// What is compared on the lit surface.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct Comparison {
-    /// The method left of the wipe.
-    pub left: Method,
-    /// The method right of the wipe.
-    pub right: Method,
-    /// Where the wipe stands, `0..=1` from the left; 0 shows only the right method.
-    pub wipe: f32,
-}
-
-impl Default for Comparison {
-    fn default() -> Self {
-        Self { left: Method::Truth, right: Method::Vmf, wipe: 0.5 }
-    }
-}
 
 /// A sentence for the user.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,9 +125,14 @@ impl Session {
         self.mip.get_or_init(|| Arc::new(PlainMip::new(Arc::clone(&self.map))))
     }
 
-    /// The channels of the left and of the right method, where it is a rival that has some and they are built.
-    pub fn channels(&self) -> [Option<&Arc<ChannelPyramid>>; 2] {
-        [self.comparison.left, self.comparison.right].map(|method| self.channels_of(method))
+    /// The methods of the view with what is built of them, in the order of its cells.
+    pub fn shown_methods(&self) -> Vec<ShownMethod> {
+        self.comparison.methods().into_iter().map(|method| self.shown_method(method)).collect()
+    }
+
+    /// A method with what is built of it.
+    pub fn shown_method(&self, method: Method) -> ShownMethod {
+        ShownMethod { method, channels: self.channels_of(method).cloned() }
     }
 
     /// The channels of one method, where it is a rival on show that has some and they are built.
@@ -359,8 +347,7 @@ impl Session {
         changed |= self.fitting.poll(&mut messages);
         self.fitting.measure(&self.wake);
         let mip = || Arc::clone(self.mip.get_or_init(|| Arc::new(PlainMip::new(Arc::clone(&self.map)))));
-        let methods = [self.comparison.left, self.comparison.right];
-        changed |= self.rivals.update(methods, mip, &self.wake, &mut self.messages);
+        changed |= self.rivals.update(&self.comparison.methods(), mip, &self.wake, &mut self.messages);
         for text in messages {
             self.report(Message::error(text));
         }

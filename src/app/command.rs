@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use super::figures_file::Target;
 use super::figures_report::FiguresReport;
+use crate::comparison::Comparison;
 use crate::filter::vmf::FitSettings;
 use crate::lit_surface::LitSurface;
 use crate::measure::{Axis, Metric, Sweep};
 use crate::normal_map::MapOptions;
 use crate::normal_map::pyramid::Texel;
-use crate::session::{Comparison, MapRequest, Message, Session};
+use crate::session::{MapRequest, Message, Session};
 
 /// One request.
 #[derive(Clone, Debug)]
@@ -30,7 +31,7 @@ pub enum Command {
     CancelFit,
     /// Light, material, shape, camera.
     SetSurface(LitSurface),
-    /// Methods and wipe.
+    /// Methods, and how they stand beside each other.
     SetComparison(Comparison),
     /// Select a texel.
     Select(Texel),

@@ -8,15 +8,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescriptor};
 
+use crate::comparison::{Arrangement, ShownMethod};
 use crate::filter::Method;
 use crate::filter::PlainMip;
-use crate::filter::channels::ChannelPyramid;
 use crate::filter::vmf::{Fold, LobePyramid};
 use crate::gpu::frame::{FrameBudget, FrameInput, SurfaceFrame};
 use crate::gpu::passes::sphere::{SphereInput, SphereLayers, SpherePass};
 use crate::lit_surface::LitSurface;
 use crate::scene::SphereOrbit;
-use crate::session::{Comparison, Session};
+use crate::session::Session;
 use crate::sphere::Lobe;
 
 use super::texel_report::TexelData;
@@ -73,8 +73,8 @@ pub struct SurfacePaint {
     mip: Arc<PlainMip>,
     lobes: Arc<LobePyramid>,
     fold: Fold,
-    comparison: Comparison,
-    channels: [Option<Arc<ChannelPyramid>>; 2],
+    methods: Vec<ShownMethod>,
+    arrangement: Arrangement,
     size: [u32; 2],
     budget: FrameBudget,
     format: wgpu::TextureFormat,
@@ -83,15 +83,21 @@ pub struct SurfacePaint {
 }
 
 impl SurfacePaint {
-    /// Everything the surface's picture depends on, taken from the session.
-    pub fn new(session: &Session, size: [u32; 2], target: &PaintTarget, context: &egui::Context) -> Self {
+    /// Everything the surface's picture depends on, taken from the session, in this arrangement.
+    pub fn new(
+        session: &Session,
+        arrangement: Arrangement,
+        size: [u32; 2],
+        target: &PaintTarget,
+        context: &egui::Context,
+    ) -> Self {
         Self {
             surface: session.surface,
             mip: Arc::clone(session.mip()),
             lobes: Arc::clone(session.lobes()),
             fold: session.fitting().fold(),
-            comparison: session.comparison,
-            channels: session.channels().map(Option::<&_>::cloned),
+            methods: session.shown_methods(),
+            arrangement,
             size,
             budget: FrameBudget { truth_limit: session.truth_samples, ..target.budget },
             format: target.format,
@@ -111,10 +117,8 @@ impl SurfacePaint {
             mip: &self.mip,
             lobes: &self.lobes,
             fold: self.fold,
-            left: self.comparison.left,
-            right: self.comparison.right,
-            channels: self.channels.each_ref().map(Option::as_ref),
-            wipe: self.comparison.wipe,
+            methods: self.methods.clone(),
+            arrangement: self.arrangement,
             size: self.size,
         }
     }

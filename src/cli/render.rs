@@ -8,6 +8,7 @@ use clap::Args;
 use super::look::LookArguments;
 use super::options::{FitArguments, MapArguments, wait_for_fit};
 use super::start::Start;
+use crate::comparison::View;
 use crate::filter::{MethodChoice, Rival};
 use crate::gpu::context::Gpu;
 use crate::gpu::{FrameInput, render_to_rgba8};
@@ -54,6 +55,9 @@ pub struct SceneArguments {
     /// The method right of the wipe.
     #[arg(long, value_name = "METHOD")]
     pub right: Option<MethodChoice>,
+    /// How methods stand beside each other: wipe, flip, difference, grid-2x2 or grid-3x3.
+    #[arg(long, value_name = "VIEW", conflicts_with = "method")]
+    pub view: Option<View>,
     /// Where the wipe stands, from 0 (left edge) to 1.
     #[arg(long, value_name = "FRACTION")]
     pub wipe: Option<f32>,
@@ -110,6 +114,7 @@ impl SceneArguments {
         comparison.left = self.left.map_or(comparison.left, |choice| choice.method);
         comparison.right = self.right.map_or(comparison.right, |choice| choice.method);
         comparison.wipe = self.wipe.unwrap_or(comparison.wipe).clamp(0.0, 1.0);
+        comparison.view = self.view_over(comparison.view);
         if let Some(choice) = self.method {
             (comparison.right, comparison.wipe) = (choice.method, 0.0);
         }
@@ -118,6 +123,13 @@ impl SceneArguments {
         self.look.apply_to(surface);
         let distance = self.distance.unwrap_or(surface.camera.distance);
         surface.camera.distance = distance.clamp(Camera::MIN_DISTANCE, Camera::MAX_DISTANCE);
+    }
+
+    /// The view that was asked for; the session file's, unless methods are named that it does not show.
+    fn view_over(&self, view: View) -> View {
+        let of_two = self.left.is_some() || self.right.is_some();
+        let of_wipe = self.method.is_some() || self.wipe.is_some() || of_two && view.grid_side().is_some();
+        self.view.unwrap_or(if of_wipe { View::Wipe } else { view })
     }
 }
 
@@ -128,14 +140,13 @@ impl RenderCommand {
     /// One sentence that names the file and the cause.
     pub fn run(self) -> anyhow::Result<()> {
         let mut session = self.scene.session()?;
-        let comparison = session.comparison;
-        let shown = [(comparison.wipe > 0.0, comparison.left), (comparison.wipe < 1.0, comparison.right)];
-        for method in shown.into_iter().filter_map(|(is_seen, method)| is_seen.then_some(method)) {
+        let seen = session.comparison.methods_seen();
+        for method in &seen {
             let is_drawn = method.rival().is_none_or(Rival::is_drawn);
             anyhow::ensure!(is_drawn, "{method} is too much for a picture; probe takes it.");
         }
         let gpu = Gpu::headless()?;
-        if shown.into_iter().any(|(is_seen, method)| is_seen && method.shows_lobes()) {
+        if seen.iter().any(|method| method.shows_lobes()) {
             session.begin(*session.fit_settings());
             wait_for_fit(&mut session)?;
         }
@@ -146,10 +157,8 @@ impl RenderCommand {
             mip: session.mip(),
             lobes: session.lobes(),
             fold: session.fitting().fold(),
-            left: comparison.left,
-            right: comparison.right,
-            channels: session.channels(),
-            wipe: comparison.wipe,
+            methods: session.shown_methods(),
+            arrangement: session.comparison.arrangement(false),
             size,
         };
         let picture = render_to_rgba8(&gpu, &input, session.truth_samples)?;

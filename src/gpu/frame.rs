@@ -1,26 +1,26 @@
 //! The frame: uploads, a picture of the surface per method shown, and their comparison.
 //!
 //! The window and the command line record the same frame. A picture is drawn again only when something it depends on
-//! has changed; the truth goes on adding samples until it has enough.
+//! has changed; the truth goes on adding samples until it has enough. In a grid each method's picture is as large as
+//! its cell, all under the same camera.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::passes::compare::{CompareData, ComparePass};
-use super::passes::surface::{FrameData, Reads, SurfacePass, Target};
+use super::method_picture::{Key, MethodPicture};
+use super::passes::compare::{CompareData, ComparePass, ComparedPictures};
+use super::passes::surface::{FrameData, Reads, SurfacePass};
 use super::readback::{self, ReadbackError};
-use super::rival_textures::RivalTextures;
 use super::surface_pipelines::Variant;
 use super::textures::MapTextures;
 use crate::brdf::{ConvolutionRule, DiffuseRule};
-use crate::filter::channels::ChannelPyramid;
+use crate::comparison::{Arrangement, ShownMethod};
 use crate::filter::vmf::{Fold, LobePyramid};
-use crate::filter::{Method, PlainMip, Rival};
+use crate::filter::{Method, PlainMip};
 use crate::lit_surface::{LevelChoice, LitSurface};
 use crate::normal_map::Addressing;
 
 /// Everything a frame shows.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct FrameInput<'a> {
     /// The surface.
     pub surface: &'a LitSurface,
@@ -30,16 +30,25 @@ pub struct FrameInput<'a> {
     pub lobes: &'a LobePyramid,
     /// How slots are merged before shading.
     pub fold: Fold,
-    /// The method left of the wipe.
-    pub left: Method,
-    /// The method right of the wipe.
-    pub right: Method,
-    /// The channels of the left and of the right method, where it is a rival that has some and they are built.
-    pub channels: [Option<&'a Arc<ChannelPyramid>>; 2],
-    /// Where the left side ends, 0 (right side only) to 1 (left side only).
-    pub wipe: f32,
+    /// The methods, as many as the arrangement asks for.
+    pub methods: Vec<ShownMethod>,
+    /// Where in the picture they are seen.
+    pub arrangement: Arrangement,
     /// Pixels across and down.
     pub size: [u32; 2],
+}
+
+impl FrameInput<'_> {
+    /// The methods that are to be drawn, each once.
+    fn seen(&self) -> Vec<Method> {
+        let mut seen = Vec::new();
+        for (index, shown) in self.methods.iter().enumerate() {
+            if self.arrangement.shows(index) && !seen.contains(&shown.method) {
+                seen.push(shown.method);
+            }
+        }
+        seen
+    }
 }
 
 /// How much a frame may do.
@@ -67,65 +76,12 @@ pub struct SurfaceFrame {
     textures: MapTextures,
     surface: SurfacePass,
     compare: ComparePass,
-    targets: Option<Targets>,
-    rivals: Vec<RivalPicture>,
+    pictures: Vec<MethodPicture>,
+    /// Of each picture, in pixels.
+    size: [u32; 2],
     truth_samples: u32,
     truth_shown: bool,
     exposure: f32,
-}
-
-/// The pictures: two for the truth, which takes turns reading one and writing the other, then one for each way of
-/// shading lobes.
-#[derive(Debug)]
-struct Targets {
-    size: [u32; 2],
-    truth: [Target; 2],
-    /// Which of the two holds the sum so far.
-    latest: usize,
-    vmf: Target,
-    vmf_unaligned: Target,
-    drawn: HashMap<Method, Key>,
-}
-
-/// A rival on one side of the wipe; kept as long as it is there.
-#[derive(Debug)]
-struct RivalPicture {
-    rival: Rival,
-    textures: RivalTextures,
-    target: Target,
-}
-
-/// What one method's picture depends on.
-#[derive(Clone, Debug, PartialEq)]
-struct Key {
-    surface: LitSurface,
-    size: [u32; 2],
-    revisions: [u64; 2],
-    fold: Fold,
-    lods: Option<[f32; 2]>,
-}
-
-impl Targets {
-    fn new(pass: &SurfacePass, device: &wgpu::Device, size: [u32; 2]) -> Self {
-        let target = |label| pass.target(device, label, size);
-        let truth = [target("truth, even"), target("truth, odd")];
-        let [vmf, vmf_unaligned] = ["vmf", "vmf, unaligned"].map(target);
-        Self { size, truth, latest: 0, vmf, vmf_unaligned, drawn: HashMap::new() }
-    }
-
-    /// The picture of a method, which is among `rivals` if it is one.
-    fn of<'a>(&'a self, method: Method, rivals: &'a [RivalPicture]) -> Option<&'a Target> {
-        match method {
-            Method::Truth => Some(&self.truth[self.latest]),
-            Method::Vmf => Some(&self.vmf),
-            Method::VmfUnaligned => Some(&self.vmf_unaligned),
-            Method::Rival(rival) => find(rivals, rival).map(|picture| &picture.target),
-        }
-    }
-}
-
-fn find(rivals: &[RivalPicture], rival: Rival) -> Option<&RivalPicture> {
-    rivals.iter().find(|picture| picture.rival == rival)
 }
 
 impl SurfaceFrame {
@@ -138,8 +94,8 @@ impl SurfaceFrame {
             surface,
             compare: ComparePass::new(device, target_format),
             textures,
-            targets: None,
-            rivals: Vec::new(),
+            pictures: Vec::new(),
+            size: [1, 1],
             truth_samples: 0,
             truth_shown: false,
             exposure: 1.0,
@@ -157,59 +113,52 @@ impl SurfaceFrame {
         self.textures.set_map(input.mip);
         self.textures.set_lobes(input.lobes);
         self.textures.pump(queue, self.budget.upload_bytes);
-        let size = input.size.map(|pixels| pixels.clamp(1, device.limits().max_texture_dimension_2d));
-        let kept = self.targets.take().filter(|targets| targets.size == size);
-        if kept.is_none() {
-            self.rivals.clear();
-        }
-        let mut targets = kept.unwrap_or_else(|| Targets::new(&self.surface, device, size));
-        self.set_rivals(device, queue, input, &mut targets);
-        let (left, right) = shown(input);
+        self.set_pictures(device, queue, input);
+        let seen = input.seen();
         self.exposure = input.surface.exposure();
-        self.truth_shown = [left, right].contains(&Method::Truth);
-        if self.truth_shown && targets.drawn.get(&Method::Truth) != Some(&self.key(Method::Truth, input, size)) {
+        self.truth_shown = seen.contains(&Method::Truth);
+        if let Some(truth) = self.find(Method::Truth).filter(|_| self.truth_shown)
+            && truth.drawn != Some(self.key(truth, input))
+        {
             self.truth_samples = 0;
         }
-        let both = if left == right { vec![left] } else { vec![left, right] };
-        let due: Vec<Method> = both.into_iter().filter(|&method| self.is_due(method, input, &targets)).collect();
+        let is_due = |picture: &&MethodPicture| seen.contains(&picture.method) && self.is_due(picture, input);
+        let due: Vec<Method> = self.pictures.iter().filter(is_due).map(|picture| picture.method).collect();
         if !due.is_empty() {
-            let data = self.frame_data(input, size);
+            let data = self.frame_data(input);
             self.surface.prepare(device, queue, input.surface, &data);
             let variant = Variant::new(self.textures.is_colored(), &input.surface.material);
             self.surface.prepare_methods(device, &due, variant);
         }
         for method in due {
-            self.draw_method(encoder, queue, method, input, &mut targets);
+            self.draw_method(encoder, queue, method, input);
         }
-        if let (Some(left), Some(right)) = (targets.of(left, &self.rivals), targets.of(right, &self.rivals)) {
-            self.compare.prepare(device, queue, [left.view(), right.view()], &self.compare_data(input, size));
-        }
-        self.targets = Some(targets);
+        let cells = input.arrangement.cell_origins(input.size).enumerate();
+        let compared: Vec<_> = cells.filter_map(|(cell, origin)| self.compared(input, cell, origin)).collect();
+        self.compare.prepare(device, queue, &compared);
     }
 
-    /// Keeps the rivals on either side, their channels brought up to date, and forgets the others.
-    fn set_rivals(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        input: &FrameInput<'_>,
-        targets: &mut Targets,
-    ) {
-        let sides = [input.left.rival(), input.right.rival()];
-        self.rivals.retain(|picture| sides.contains(&Some(picture.rival)));
-        targets.drawn.retain(|method, _| method.rival().is_none_or(|rival| sides.contains(&Some(rival))));
-        for (rival, channels) in sides.into_iter().zip(input.channels) {
-            let Some(rival) = rival else { continue };
-            if find(&self.rivals, rival).is_none() {
-                let textures = self.surface.rival_textures(device);
-                let target = self.surface.target(device, rival.kind.name, targets.size);
-                self.rivals.push(RivalPicture { rival, textures, target });
-            }
-            if let Some(picture) = self.rivals.iter_mut().find(|picture| picture.rival == rival) {
-                picture.textures.set_channels(channels);
-                picture.textures.pump(queue, self.budget.upload_bytes);
-            }
+    /// Keeps the pictures of the methods at hand, their size and channels brought up to date, and forgets the others.
+    fn set_pictures(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, input: &FrameInput<'_>) {
+        let most = device.limits().max_texture_dimension_2d;
+        let size = input.arrangement.cell_size(input.size).map(|pixels| pixels.clamp(1, most));
+        self.pictures.retain(|picture| input.methods.iter().any(|shown| shown.method == picture.method));
+        if self.size != size {
+            self.pictures.iter_mut().for_each(|picture| picture.resize(&self.surface, device, size));
+            self.size = size;
         }
+        for shown in &input.methods {
+            let held = self.pictures.iter().position(|picture| picture.method == shown.method);
+            let index = held.unwrap_or_else(|| {
+                self.pictures.push(MethodPicture::new(&self.surface, device, shown.method, size));
+                self.pictures.len() - 1
+            });
+            self.pictures[index].pump(queue, shown, self.budget.upload_bytes);
+        }
+    }
+
+    fn find(&self, method: Method) -> Option<&MethodPicture> {
+        self.pictures.iter().find(|picture| picture.method == method)
     }
 
     /// Draws the comparison over the pass's viewport.
@@ -219,9 +168,7 @@ impl SurfaceFrame {
 
     /// Forgets what is drawn, so that the next frame draws it again.
     pub fn forget_pictures(&mut self) {
-        if let Some(targets) = &mut self.targets {
-            targets.drawn.clear();
-        }
+        self.pictures.iter_mut().for_each(|picture| picture.drawn = None);
     }
 
     /// Samples per pixel that the truth has so far.
@@ -231,7 +178,7 @@ impl SurfaceFrame {
 
     /// True while another frame would look better: uploads are under way, or the truth is shown and unfinished.
     pub fn wants_more(&self) -> bool {
-        let uploads = self.rivals.iter().map(|picture| picture.textures.pending_bytes());
+        let uploads = self.pictures.iter().map(MethodPicture::pending_bytes);
         let pending = uploads.sum::<u64>() + self.textures.pending_bytes();
         pending > 0 || self.truth_shown && self.truth_samples < self.budget.truth_limit
     }
@@ -255,7 +202,7 @@ impl SurfaceFrame {
         match method {
             Method::Truth => self.textures.base_is_complete().then_some([0.0, 0.0]),
             Method::Rival(rival) if !rival.is_drawn() => None,
-            Method::Rival(rival) => find(&self.rivals, rival)?.textures.lods(&self.textures, rival.kind.has_channels),
+            Method::Rival(rival) => self.find(method)?.channels.as_ref()?.lods(&self.textures, rival.kind.has_channels),
             Method::Vmf | Method::VmfUnaligned => self.textures.vmf_lods(),
         }
     }
@@ -267,14 +214,16 @@ impl SurfaceFrame {
         queue: &wgpu::Queue,
         method: Method,
     ) -> Result<Vec<[f32; 4]>, ReadbackError> {
-        let drawn = self.targets.as_ref().filter(|targets| targets.drawn.contains_key(&method));
-        let Some(target) = drawn.and_then(|targets| targets.of(method, &self.rivals)) else { return Ok(Vec::new()) };
+        let Some(picture) = self.find(method).filter(|picture| picture.drawn.is_some()) else {
+            return Ok(Vec::new());
+        };
         let scale = self.scale(method);
-        let texels = readback::read_rgba32f(device, queue, &target.color)?;
+        let texels = readback::read_rgba32f(device, queue, &picture.target.color)?;
         Ok(texels.into_iter().map(|[r, g, b, a]| [scale * r, scale * g, scale * b, a]).collect())
     }
 
-    fn key(&self, method: Method, input: &FrameInput<'_>, size: [u32; 2]) -> Key {
+    fn key(&self, picture: &MethodPicture, input: &FrameInput<'_>) -> Key {
+        let method = picture.method;
         // Exposure is put on by the comparison.
         let mut surface = LitSurface { exposure_stops: 0.0, ..*input.surface };
         let mut fold = input.fold;
@@ -288,21 +237,21 @@ impl SurfaceFrame {
         }
         let revisions = match method {
             Method::Truth => [self.textures.map_revision, 0],
-            Method::Rival(rival) => {
-                let own = find(&self.rivals, rival).map_or(0, |picture| picture.textures.revision);
+            Method::Rival(_) => {
+                let own = picture.channels.as_ref().map_or(0, |channels| channels.revision);
                 [self.textures.means_revision, own]
             }
             Method::Vmf | Method::VmfUnaligned => [self.textures.means_revision, self.textures.lobes_revision],
         };
-        Key { surface, size, revisions, fold, lods: self.lod_range(method) }
+        Key { surface, revisions, fold, lods: self.lod_range(method) }
     }
 
-    fn is_due(&self, method: Method, input: &FrameInput<'_>, targets: &Targets) -> bool {
-        let unfinished = method == Method::Truth && self.truth_samples < self.budget.truth_limit;
-        unfinished || targets.drawn.get(&method) != Some(&self.key(method, input, targets.size))
+    fn is_due(&self, picture: &MethodPicture, input: &FrameInput<'_>) -> bool {
+        let unfinished = picture.method == Method::Truth && self.truth_samples < self.budget.truth_limit;
+        unfinished || picture.drawn != Some(self.key(picture, input))
     }
 
-    fn frame_data(&self, input: &FrameInput<'_>, size: [u32; 2]) -> FrameData {
+    fn frame_data(&self, input: &FrameInput<'_>) -> FrameData {
         let map = &input.mip.map;
         let mut data = FrameData {
             base_size: [map.width as f32, map.height as f32],
@@ -313,7 +262,7 @@ impl SurfaceFrame {
             wraps: u32::from(map.options.addressing == Addressing::Wrap),
             first_sample: self.truth_samples,
             sample_count: self.samples_due(),
-            ..FrameData::of_surface(input.surface, size)
+            ..FrameData::of_surface(input.surface, self.size)
         };
         data.set_fold(&input.fold);
         data
@@ -325,32 +274,29 @@ impl SurfaceFrame {
         queue: &wgpu::Queue,
         method: Method,
         input: &FrameInput<'_>,
-        targets: &mut Targets,
     ) {
-        let key = self.key(method, input, targets.size);
-        let what = (input.surface.shape.kind, method);
-        let Some(target) = targets.of(method, &self.rivals) else { return };
-        match (self.lod_range(method), method) {
-            (None, _) => self.surface.clear(encoder, target),
-            (Some(_), Method::Truth) => {
+        let Some(key) = self.find(method).map(|picture| self.key(picture, input)) else { return };
+        let samples_due = self.samples_due();
+        let Some(picture) = self.pictures.iter_mut().find(|picture| picture.method == method) else { return };
+        let (surface, map, what) = (&self.surface, &self.textures, (input.surface.shape.kind, method));
+        let target = &mut picture.target;
+        match (key.lods, method, &picture.channels, &mut picture.spare) {
+            (None, ..) => surface.clear(encoder, target),
+            (Some(_), _, _, Some(next)) => {
                 if self.truth_samples == 0 {
-                    self.surface.clear(encoder, target);
+                    surface.clear(encoder, target);
                 }
-                let next = 1 - targets.latest;
-                self.surface.draw(encoder, what, &self.textures, &targets.truth[next], Reads::Sum(target));
-                targets.latest = next;
-                self.truth_samples += self.samples_due();
+                surface.draw(encoder, what, map, next, Reads::Sum(target));
+                std::mem::swap(next, target);
+                self.truth_samples += samples_due;
             }
-            (Some(lods), Method::Rival(rival)) => {
-                let Some(picture) = find(&self.rivals, rival) else { return };
-                picture.textures.prepare(queue, lods, rival.parameter);
-                self.surface.draw(encoder, what, &self.textures, target, Reads::Channels(&picture.textures));
+            (Some(lods), Method::Rival(rival), Some(channels), _) => {
+                channels.prepare(queue, lods, rival.parameter);
+                surface.draw(encoder, what, map, target, Reads::Channels(channels));
             }
-            (Some(_), Method::Vmf | Method::VmfUnaligned) => {
-                self.surface.draw(encoder, what, &self.textures, target, Reads::Nothing);
-            }
+            (Some(_), ..) => surface.draw(encoder, what, map, target, Reads::Nothing),
         }
-        targets.drawn.insert(method, key);
+        picture.drawn = Some(key);
     }
 
     /// Samples of the truth that the next frame adds.
@@ -366,24 +312,16 @@ impl SurfaceFrame {
         }
     }
 
-    fn compare_data(&self, input: &FrameInput<'_>, size: [u32; 2]) -> CompareData {
-        let (left, right) = shown(input);
-        CompareData {
-            left_scale: self.scale(left),
-            right_scale: self.scale(right),
-            wipe: (input.wipe * size[0] as f32).round(),
-            divider: if left == right { 0.0 } else { 1.0 },
+    /// What a cell shows, once its pictures are there.
+    fn compared(&self, input: &FrameInput<'_>, cell: usize, origin: [u32; 2]) -> Option<ComparedPictures> {
+        let methods = input.arrangement.methods_in(cell);
+        let [left, right] = methods.map(|index| self.find(input.methods.get(index)?.method));
+        let (left, right) = (left?, right?);
+        let mut data = CompareData::of_cell(input.arrangement, input.size, origin);
+        (data.left_scale, data.right_scale) = (self.scale(left.method), self.scale(right.method));
+        if left.method == right.method {
+            data.divider = 0.0;
         }
-    }
-}
-
-/// The methods that are seen, left and right of the wipe.
-fn shown(input: &FrameInput<'_>) -> (Method, Method) {
-    if input.wipe >= 1.0 {
-        (input.left, input.left)
-    } else if input.wipe <= 0.0 {
-        (input.right, input.right)
-    } else {
-        (input.left, input.right)
+        Some(ComparedPictures { pictures: [left, right].map(|picture| picture.target.view().clone()), data })
     }
 }

@@ -4,6 +4,8 @@ use std::borrow::Cow;
 
 /// sRGB encoding, the twin of `color.rs`.
 pub const SRGB: &str = include_str!("../../shaders/shared/srgb.wgsl");
+/// Where on a colour map a value lies, the twin of `color.rs`.
+pub const COLOR_SCALE: &str = include_str!("../../shaders/shared/color_scale.wgsl");
 /// The von Mises-Fisher lobe, the twin of `sphere/vmf.rs`.
 pub const VMF: &str = include_str!("../../shaders/shared/vmf.wgsl");
 /// Blinn-Phong, the twin of `brdf/blinn_phong.rs`.

@@ -7,6 +7,7 @@ pub mod exact_tables;
 pub mod frame;
 pub mod layout;
 pub mod map_group;
+pub mod method_picture;
 pub mod passes;
 pub mod picture;
 pub mod readback;

@@ -13,6 +13,7 @@ use super::dolly;
 use super::figures::{MethodFigures, Reference};
 use super::follower::{Finding, Follower, MeasureError, Shown};
 use super::tasks::{self, Task};
+use crate::comparison::{Arrangement, Comparison};
 use crate::filter::vmf::FitSettings;
 use crate::filter::{Method, MethodChoice};
 use crate::gpu::map_group::{COLOR_FORMAT, float_format};
@@ -261,10 +262,8 @@ fn input<'a>(session: &'a Session, surface: &'a LitSurface, method: Method, size
         mip: session.mip(),
         lobes: session.lobes(),
         fold: session.fitting().fold(),
-        left: method,
-        right: method,
-        channels: [session.channels_of(method); 2],
-        wipe: 1.0,
+        methods: vec![session.shown_method(method)],
+        arrangement: Arrangement::Grid { side: 1 },
         size,
     }
 }
@@ -284,7 +283,7 @@ fn prepare(session: &mut Session, task: &Task, follower: &mut dyn Follower) -> R
         }
         waited.map_err(|message| MeasureError::Session(message.text))?;
     }
-    (session.comparison.left, session.comparison.right) = (task.choice.method, task.choice.method);
+    session.comparison = Comparison::alone(task.choice.method);
     session.poll();
     while session.is_building() {
         follower.waits(session);

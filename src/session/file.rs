@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::{Comparison, MapRequest, Session};
+use super::{MapRequest, Session};
+use crate::comparison::Comparison;
 use crate::filter::vmf::FitSettings;
 use crate::lit_surface::LitSurface;
 use crate::normal_map::pyramid::Texel;
@@ -35,7 +36,7 @@ pub struct SessionFile {
     pub fit: FitSettings,
     /// The lit surface: shape, camera, light, material, level, exposure.
     pub surface: LitSurface,
-    /// The methods compared and the wipe.
+    /// The methods compared, and how they stand beside each other.
     pub comparison: Comparison,
     /// The selected texel.
     pub selected: Option<Texel>,

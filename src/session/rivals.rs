@@ -65,12 +65,12 @@ impl Rivals {
     /// changed.
     pub fn update(
         &mut self,
-        methods: [Method; 2],
+        methods: &[Method],
         mip: impl Fn() -> Arc<PlainMip>,
         wake: &Wake,
         messages: &mut Vec<Message>,
     ) -> bool {
-        let rivals = methods.into_iter().filter_map(Method::rival);
+        let rivals = methods.iter().copied().filter_map(Method::rival);
         let wanted: Vec<Rival> = rivals.filter(|rival| rival.kind.has_channels && rival.is_drawn()).collect();
         if wanted.is_empty() {
             let had = !self.shown.is_empty();

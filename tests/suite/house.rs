@@ -15,7 +15,7 @@ const LAYERS: &[(u8, &[&str])] = &[
     (0, &["sphere", "color"]),
     (1, &["image_io", "normal_map", "scene"]),
     (2, &["ndf", "brdf", "lighting"]),
-    (3, &["filter", "lit_surface"]),
+    (3, &["filter", "lit_surface", "comparison"]),
     (4, &["reference", "export", "gpu"]),
     (5, &["jobs", "session", "measure"]),
     (6, &["app", "headless", "cli", "main"]),

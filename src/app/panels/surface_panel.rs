@@ -6,11 +6,11 @@ use glam::Vec3;
 use super::{PanelContext, surface_overlay as overlay};
 use crate::app::viewport::SurfacePaint;
 use crate::app::{Command, theme};
+use crate::comparison::Comparison;
 use crate::filter::Method;
 use crate::lighting::DirectionalLight;
 use crate::lit_surface::LitSurface;
 use crate::reference::raster;
-use crate::session::Comparison;
 
 /// Height of the bar with the methods.
 const BAR: f32 = 32.0;
@@ -26,7 +26,13 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let response = ui.allocate_rect(picture, Sense::click_and_drag()).accessible_name("Surface view");
     let size = (picture.size() * ui.pixels_per_point()).round().max(Vec2::splat(1.0));
     let size = [size.x as u32, size.y as u32];
-    let paint = SurfacePaint::new(context.session, size, &context.surroundings.target, ui.ctx());
+    let paint = SurfacePaint::new(
+        context.session,
+        context.session.comparison.arrangement(false),
+        size,
+        &context.surroundings.target,
+        ui.ctx(),
+    );
     ui.painter().add(paint.shape(picture));
     steer(ui, context, &response);
     pick(context, &response, picture, size);

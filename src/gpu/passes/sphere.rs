@@ -5,14 +5,14 @@
 
 use glam::{DVec3, Mat3};
 
-use crate::color::{LOBE_COLORS, heat};
+use crate::color::{LOBE_COLORS, color_stops, heat};
 use crate::gpu::layout::{self, texture_2d};
 use crate::reference::ndf_density::{DENSITY_SIZE, MAX_POINTS, NdfPicture};
 use crate::sphere::Lobe;
 use crate::sphere::mixture::MAX_LOBES;
 
 /// The shader's parts, in order.
-pub const SHADER: [&str; 1] = [include_str!("../../../shaders/sphere.wgsl")];
+pub const SHADER: [&str; 2] = [layout::COLOR_SCALE, include_str!("../../../shaders/sphere.wgsl")];
 
 /// The sphere's diameter over the shorter side of its view; the rest is for pins and labels.
 pub const FILL: f64 = 0.83;
@@ -207,7 +207,7 @@ fn uniforms(input: &SphereInput<'_>) -> gpu_data::Sphere {
         log_decades: if input.layers.logarithmic { LOG_DECADES } else { 0.0 },
         density_shown: u32::from(input.layers.density),
         lobe_count: input.lobes.len().min(MAX_LOBES) as u32,
-        heat: std::array::from_fn(|i| unit_rgb(heat(i as f32 / 8.0), 1.0)),
+        heat: color_stops(heat),
         ..Default::default()
     };
     for (mark, (slot, lobe)) in uniforms.lobes.iter_mut().zip(input.lobes) {

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use ndf_inspector::color::srgb8_from_linear;
+use ndf_inspector::comparison::Arrangement;
 use ndf_inspector::filter::Method;
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame, render_to_rgba8};
 use ndf_inspector::lit_surface::LevelChoice;
@@ -30,6 +31,11 @@ fn by_lobes(scene: &Scene) -> Vec<[f32; 4]> {
     linear(&frame, Method::Vmf)
 }
 
+fn at_a_wipe(scene: &Scene, methods: [Method; 2], wipe: f32) -> FrameInput<'_> {
+    let arrangement = Arrangement::Wipe(wipe);
+    FrameInput { methods: methods.map(Into::into).into(), arrangement, ..scene.input(methods[0]) }
+}
+
 fn linear(frame: &SurfaceFrame, method: Method) -> Vec<[f32; 4]> {
     frame.linear(&gpu().device, &gpu().queue, method).expect("readable")
 }
@@ -51,7 +57,7 @@ fn the_truth_starts_again_for_another_light_but_not_for_another_fit_exposure_or_
     let mut scene = Scene::new(maps::rough(16, 16, Addressing::Wrap), 2);
     let mut frame = frame(1024, 16);
     let both = |scene: &Scene, frame: &mut SurfaceFrame, wipe| {
-        step(frame, &FrameInput { right: Method::Vmf, wipe, ..scene.input(Method::Truth) });
+        step(frame, &at_a_wipe(scene, [Method::Truth, Method::Vmf], wipe));
     };
     both(&scene, &mut frame, 0.5);
     both(&scene, &mut frame, 0.7);
@@ -161,10 +167,8 @@ fn a_bump_lit_from_the_top_left_is_bright_at_its_top_left() {
 #[test]
 fn the_wipe_shows_the_left_method_on_its_left_and_the_right_one_on_its_right() {
     let scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 4);
-    let picture = |left, right, wipe| {
-        let input = FrameInput { left, right, wipe, ..scene.input(left) };
-        render_to_rgba8(gpu(), &input, 16).expect("readable")
-    };
+    let picture =
+        |left, right, wipe| render_to_rgba8(gpu(), &at_a_wipe(&scene, [left, right], wipe), 16).expect("readable");
     let (mip, vmf) = (picture(Method::MIP, Method::MIP, 0.5), picture(Method::Vmf, Method::MIP, 1.0));
     assert_ne!(mip, vmf);
     let both = picture(Method::MIP, Method::Vmf, 0.5);

@@ -76,7 +76,20 @@ fn every_rivals_shader_is_valid_and_lays_out_its_constants_as_rust_does() {
 #[test]
 fn the_compare_shader_is_valid_and_lays_out_its_constants_as_rust_does() {
     let module = parse(&compare::SHADER);
-    let rust = rust_layout!(CompareData { left_scale, right_scale, wipe, divider });
+    let rust = rust_layout!(CompareData {
+        origin,
+        extent,
+        left_scale,
+        right_scale,
+        wipe,
+        divider,
+        border,
+        ends,
+        shown,
+        padding,
+        more_padding,
+        scale,
+    });
     assert_eq!(layout(&module, "Compare"), rust);
 }
 

@@ -10,6 +10,7 @@ mod twins;
 
 use std::sync::{Arc, OnceLock};
 
+use ndf_inspector::comparison::Arrangement;
 use ndf_inspector::filter::channels::ChannelPyramid;
 use ndf_inspector::filter::rival::Source;
 use ndf_inspector::filter::vmf::{Fold, LobePyramid, Monitor, Rules};
@@ -68,10 +69,8 @@ impl Scene {
             mip: &self.mip,
             lobes: &self.lobes,
             fold: self.fold,
-            left: method,
-            right: method,
-            channels: [None; 2],
-            wipe: 1.0,
+            methods: vec![method.into()],
+            arrangement: Arrangement::Grid { side: 1 },
             size: self.size,
         }
     }

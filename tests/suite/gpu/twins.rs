@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::color::srgb8_from_linear;
+use ndf_inspector::comparison::ShownMethod;
 use ndf_inspector::filter::vmf::{Fold, Rules};
 use ndf_inspector::filter::{Filter, LocalLight, Lookup, Method, Rival, Truth, UnalignedVmf, VmfFilter};
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame};
@@ -34,8 +35,8 @@ pub(super) fn on_processor(scene: &Scene, method: Method) -> Picture {
 pub(super) fn on_adapter(scene: &Scene, method: Method) -> Picture {
     let mut frame = SurfaceFrame::new(&gpu().device, PICTURE_FORMAT);
     frame.budget = FrameBudget { truth_limit: SAMPLES, truth_batch: 64, upload_bytes: 1 << 30 };
-    let channels = scene.channels(method);
-    let input = FrameInput { channels: [channels.as_ref(); 2], ..scene.input(method) };
+    let methods = vec![ShownMethod { method, channels: scene.channels(method) }];
+    let input = FrameInput { methods, ..scene.input(method) };
     frame.complete(gpu(), &input).expect("the device works");
     let texels = frame.linear(&gpu().device, &gpu().queue, method).expect("readable");
     Picture {

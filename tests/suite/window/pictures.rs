@@ -4,11 +4,11 @@ use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, image_snapshot_options};
 use image::RgbaImage;
 use ndf_inspector::app::view_state::{Layout, MapShading, MapView};
+use ndf_inspector::comparison::Comparison;
 use ndf_inspector::filter::Method;
 use ndf_inspector::gpu::Gpu;
 use ndf_inspector::headless::{Headless, ScreenshotSettings};
 use ndf_inspector::scene::{ShapeKind, SphereOrbit};
-use ndf_inspector::session::Comparison;
 
 use super::{Window, fitted, session, settle, unheard, window};
 
@@ -45,13 +45,13 @@ fn the_surface_by_each_method_and_at_a_wipe() {
         [(Method::Truth, ShapeKind::Plane), (Method::MIP, ShapeKind::Sphere), (Method::Vmf, ShapeKind::Torus)]
     {
         let session = &mut window.state_mut().inspector.session;
-        session.comparison = Comparison { left: method, right: method, wipe: 0.5 };
+        session.comparison = Comparison::alone(method);
         session.surface.shape.kind = shape;
         let picture = part(&mut window, "Surface view");
         compare(&picture, &format!("surface_{method}"));
     }
     let session = &mut window.state_mut().inspector.session;
-    session.comparison = Comparison { left: Method::Truth, right: Method::Vmf, wipe: 0.4 };
+    session.comparison = Comparison { wipe: 0.4, ..Comparison::default() };
     session.surface.shape.kind = ShapeKind::Plane;
     compare(&part(&mut window, "Surface view"), "surface_wipe");
 }
