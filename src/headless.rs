@@ -75,7 +75,7 @@ impl<'a> Headless<'a> {
         canvas.px_per_point = settings.px_per_point;
         let budget = FrameBudget { truth_batch: 64, upload_bytes: 256 << 20, ..Default::default() };
         let target = PaintTarget { format: FORMAT, budget, ..Default::default() };
-        let surroundings = Surroundings { adapter: gpu.choice.clone(), target, live: false };
+        let surroundings = Surroundings { gpu: gpu.clone(), target, live: false };
         let inspector = Inspector::new(&canvas.ctx, make(wake_of(&canvas.ctx)), surroundings);
         Self { inspector, canvas, wait: settings.wait }
     }

@@ -27,7 +27,7 @@
 //! | 2 | [`ndf`], [`brdf`], [`lighting`] | what a texel holds, what it reflects |
 //! | 3 | [`filter`], [`lit_surface`], [`comparison`] | every filtering method behind one trait; what the surface's picture depends on; which methods are seen beside each other |
 //! | 4 | [`reference`](mod@reference), [`export`], [`gpu`] | pictures and figures on the processor; files; pictures on the GPU |
-//! | 5 | [`jobs`], [`session`] | the only threads; the one document |
+//! | 5 | [`jobs`], [`session`], [`measure`] | the only threads; the one document; methods held against the truth |
 //! | 6 | [`app`], [`headless`], [`cli`] | faces |
 //!
 //! # Words
@@ -52,6 +52,7 @@ pub mod image_io;
 pub mod jobs;
 pub mod lighting;
 pub mod lit_surface;
+pub mod measure;
 pub mod ndf;
 pub mod normal_map;
 pub mod reference;

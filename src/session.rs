@@ -52,6 +52,11 @@ impl Message {
     pub fn error(text: impl Into<String>) -> Self {
         Self { text: text.into(), is_error: true, offer: None }
     }
+
+    /// A remark.
+    pub fn remark(text: impl Into<String>) -> Self {
+        Self { is_error: false, ..Self::error(text) }
+    }
 }
 
 /// What is open, chosen and fitted.
@@ -302,6 +307,35 @@ impl Session {
             self.report(Message::error(text));
         }
         self.poll();
+    }
+
+    /// Waits until the fit is complete; `watch` looks on twenty times a second and may cancel it.
+    ///
+    /// # Errors
+    /// The sentence of a fit that failed, or was stopped.
+    pub fn wait_for_fit(&mut self, watch: &mut dyn FnMut(&mut Self)) -> Result<(), Message> {
+        while !self.fitting.is_complete() {
+            watch(self);
+            self.wait(Duration::from_millis(50));
+            if let Some(error) = self.take_messages().into_iter().find(|message| message.is_error) {
+                return Err(error);
+            }
+            if !self.fitting.is_running() && !self.fitting.is_complete() {
+                return Err(Message::error("The fit was stopped."));
+            }
+        }
+        Ok(())
+    }
+
+    /// Another session of the same map, surface and settings, with the fit of this one where it is finished. Nothing
+    /// that is done to it shows here. It keeps no fit but the latest; where it `aligns` anew, it remembers the
+    /// unaligned levels that every alignment starts from.
+    pub fn fork(&self, aligns: bool, wake: Wake) -> Self {
+        let mut fork = Self::with_opened(OpenedMap { map: Arc::clone(&self.map), fit: None }, wake);
+        (fork.surface, fork.truth_samples) = (self.surface, self.truth_samples);
+        fork.mip = Arc::clone(self.mip()).into();
+        fork.fitting = self.fitting.fork(aligns);
+        fork
     }
 
     /// Takes the jobs' news; true if anything changed.

@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
+use super::figures_file::Target;
+use super::figures_report::FiguresReport;
 use crate::comparison::Comparison;
 use crate::filter::vmf::FitSettings;
 use crate::lit_surface::LitSurface;
+use crate::measure::{Axis, Metric, Sweep};
 use crate::normal_map::MapOptions;
 use crate::normal_map::pyramid::Texel;
 use crate::session::{MapRequest, Message, Session};
@@ -34,13 +37,19 @@ pub enum Command {
     SetComparison(Comparison),
     /// Select a texel.
     Select(Texel),
+    /// Measure figures in the background.
+    MeasureFigures(Sweep),
+    /// Stop measuring; what was found stays.
+    CancelFigures,
+    /// Save the figures along an axis; a picture shows the metric.
+    SaveFigures(Axis, Metric, Target),
     /// Tell the user something.
     Report(Message),
 }
 
 impl Command {
     /// Carries the request out.
-    pub fn run(self, session: &mut Session) {
+    pub fn run(self, session: &mut Session, figures: &mut FiguresReport) {
         match self {
             Self::Open(request) => session.open(request),
             Self::OpenDialog => session.open_dialog(),
@@ -56,7 +65,17 @@ impl Command {
             Self::SetTruthSamples(samples) => session.truth_samples = samples,
             Self::SetComparison(comparison) => session.comparison = comparison,
             Self::Select(texel) => session.select(texel),
+            Self::MeasureFigures(sweep) => tell(figures.start(session, sweep), session),
+            Self::CancelFigures => figures.cancel(),
+            Self::SaveFigures(axis, metric, target) => tell(figures.save(axis, metric, target), session),
             Self::Report(message) => session.report(message),
         }
+    }
+}
+
+/// Tells the user why something was not done.
+fn tell(done: Result<(), Message>, session: &mut Session) {
+    if let Err(message) = done {
+        session.report(message);
     }
 }

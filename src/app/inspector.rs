@@ -6,22 +6,25 @@ use std::sync::Arc;
 use egui::{CentralPanel, Frame, Margin, Panel};
 
 use super::command::Command;
+use super::figures_report::FiguresReport;
 use super::map_picture::MapTextures;
-use super::panels::{PanelContext, controls, map_panel, sphere_panel, status_bar, surface_panel, toasts, top_bar};
+use super::panels::{
+    PanelContext, controls, figures_panel, map_panel, sphere_panel, status_bar, surface_panel, toasts, top_bar,
+};
 use super::texel_report::TexelReport;
 use super::theme;
 use super::trace_report::TraceReport;
 use super::view_state::{Layout, ViewState};
 use super::viewport::PaintTarget;
-use crate::gpu::AdapterChoice;
+use crate::gpu::Gpu;
 use crate::jobs::Wake;
 use crate::session::{MapRequest, Message, Session};
 
 /// What an inspector is told about where it is shown.
 #[derive(Clone, Debug)]
 pub struct Surroundings {
-    /// The adapter that draws.
-    pub adapter: AdapterChoice,
+    /// The device that draws, for pictures beside the window's own.
+    pub gpu: Gpu,
     /// Where callbacks paint.
     pub target: PaintTarget,
     /// True in a window that people watch: figures that differ from run to run are shown there only.
@@ -37,6 +40,7 @@ pub struct Inspector {
     surroundings: Surroundings,
     report: TexelReport,
     trace: TraceReport,
+    figures: FiguresReport,
     textures: MapTextures,
     messages: Vec<Message>,
     hover: Option<String>,
@@ -56,6 +60,7 @@ impl Inspector {
         Self {
             session,
             view: ViewState::default(),
+            figures: FiguresReport::new(surroundings.gpu.clone(), wake_of(ctx)),
             surroundings,
             report: TexelReport::default(),
             trace: TraceReport::default(),
@@ -70,6 +75,7 @@ impl Inspector {
     pub fn logic(&mut self, ctx: &egui::Context) {
         self.open_dropped(ctx);
         self.session.poll();
+        self.figures.poll(&mut self.messages);
         self.messages.extend(self.session.take_messages());
         self.report.update(&self.session, &self.wake);
         self.trace.update(&self.session, self.view.show_trace, &self.wake);
@@ -84,6 +90,7 @@ impl Inspector {
         let session = &self.session;
         let fitting = session.fitting();
         let computing = fitting.is_running() || fitting.is_measuring() || session.is_building();
+        let computing = computing || self.figures.is_running() || self.figures.is_saving();
         let busy = computing || session.is_opening() || self.report.is_gathering() || self.trace.is_running();
         !busy && !self.surroundings.target.status.get().wants_more
     }
@@ -98,6 +105,7 @@ impl Inspector {
             commands: &mut commands,
             report: &self.report,
             trace: &self.trace,
+            figures: &self.figures,
             textures: &mut self.textures,
             surroundings: &self.surroundings,
             hover: &mut hover,
@@ -109,7 +117,7 @@ impl Inspector {
         }
         self.hover = hover;
         for command in commands {
-            command.run(&mut self.session);
+            command.run(&mut self.session, &mut self.figures);
         }
     }
 
@@ -156,6 +164,7 @@ fn lay_out(ui: &mut egui::Ui, context: &mut PanelContext<'_>, hover: Option<&str
     CentralPanel::no_frame().frame(picture).show(ui, |ui| match context.view.layout {
         Layout::Surface => surface_panel::show(ui, context),
         Layout::Map => map_panel::show(ui, context),
+        Layout::Figures => figures_panel::show(ui, context),
         Layout::Split => {
             let half = (ui.available_width() / 2.0).floor();
             let map = Panel::right("map half").frame(picture).exact_size(half).resizable(false);

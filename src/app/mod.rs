@@ -9,6 +9,8 @@
 //! | `view_state` | what of the view is worth saving: panels, zoom, orbit, toggles |
 //! | `texel_report` | what the selected texel holds, gathered once per change |
 //! | `trace_report` | how the selected texel's fit went, on demand |
+//! | `figures_report` | the sweeps of the open map, measured and saved in the background |
+//! | `figures_plot`, `figures_file` | a sweep as a plot; as CSV, JSON or PNG |
 //! | `map_picture` | levels as pictures |
 //! | `viewport` | the bridge to the GPU: paint callbacks of surface and sphere |
 //! | `parameter` | sliders built from a parameter's description |
@@ -16,6 +18,9 @@
 //! | `panels/` | one file per panel: reads state, pushes commands |
 
 pub mod command;
+pub mod figures_file;
+pub mod figures_plot;
+pub mod figures_report;
 pub mod inspector;
 pub mod map_picture;
 pub mod panels;

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::filter::{Method, Rival};
 use crate::gpu::passes::sphere::SphereLayers;
+use crate::measure::{Axis, Metric};
 use crate::scene::SphereOrbit;
 
 /// What the middle of the window shows.
@@ -16,11 +18,14 @@ pub enum Layout {
     Split,
     /// The map.
     Map,
+    /// Figures of every method, measured and plotted.
+    Figures,
 }
 
 impl Layout {
     /// Every layout with its name, in the order they are offered.
-    pub const ALL: [(Self, &'static str); 3] = [(Self::Surface, "Surface"), (Self::Split, "Split"), (Self::Map, "Map")];
+    pub const ALL: [(Self, &'static str); 4] =
+        [(Self::Surface, "Surface"), (Self::Split, "Split"), (Self::Map, "Map"), (Self::Figures, "Figures")];
 }
 
 /// What a level's picture shows of its texels.
@@ -62,6 +67,33 @@ impl Default for MapView {
     }
 }
 
+/// Which figures are measured and shown.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FiguresView {
+    /// The quantity that is varied.
+    pub axis: Axis,
+    /// The figure that is plotted.
+    pub metric: Metric,
+    /// The methods that are measured.
+    pub methods: Vec<Method>,
+    /// The path that is being typed.
+    #[serde(skip)]
+    pub typed_path: String,
+}
+
+impl Default for FiguresView {
+    fn default() -> Self {
+        let named = ["mip", "toksvig", "lean"].into_iter().filter_map(Rival::parse).map(Method::Rival);
+        Self {
+            axis: Axis::default(),
+            metric: Metric::default(),
+            methods: named.chain([Method::Vmf]).collect(),
+            typed_path: String::new(),
+        }
+    }
+}
+
 /// The whole view.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -70,6 +102,8 @@ pub struct ViewState {
     pub layout: Layout,
     /// The map view.
     pub map: MapView,
+    /// The figures.
+    pub figures: FiguresView,
     /// How the sphere is turned.
     pub sphere_orbit: SphereOrbit,
     /// What the sphere shows.

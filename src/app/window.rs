@@ -11,7 +11,7 @@ use egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 
 use super::inspector::{Inspector, Surroundings, wake_of};
 use super::viewport::PaintTarget;
-use crate::gpu::context::{self, AdapterChoice};
+use crate::gpu::context::{self, AdapterChoice, Gpu};
 use crate::gpu::frame::FrameBudget;
 use crate::jobs::Wake;
 use crate::session::Session;
@@ -120,12 +120,18 @@ type DynError = Box<dyn std::error::Error + Send + Sync>;
 
 fn inspector(creation: &CreationContext<'_>, make: impl FnOnce(Wake) -> Session) -> Result<Inspector, DynError> {
     let state = creation.wgpu_render_state.as_ref().ok_or("the window came without a graphics device")?;
-    let adapter = AdapterChoice::of(&state.adapter.get_info());
+    let gpu = Gpu {
+        instance: state.instance.clone(),
+        adapter: state.adapter.clone(),
+        device: state.device.clone(),
+        queue: state.queue.clone(),
+        choice: AdapterChoice::of(&state.adapter.get_info()),
+    };
     // A processor that draws has little to spare: small steps keep the pointer's moves fluent.
-    let truth_batch = if adapter.software { 4 } else { 16 };
+    let truth_batch = if gpu.choice.software { 4 } else { 16 };
     let budget = FrameBudget { truth_batch, ..Default::default() };
     let target = PaintTarget { format: state.target_format, budget, ..Default::default() };
-    let surroundings = Surroundings { adapter, target, live: true };
+    let surroundings = Surroundings { gpu, target, live: true };
     let ctx = &creation.egui_ctx;
     Ok(Inspector::new(ctx, make(wake_of(ctx)), surroundings))
 }

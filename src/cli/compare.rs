@@ -2,17 +2,14 @@
 //!
 //! A cell is one map from one distance with one exponent; of several, the means are given too.
 
-pub mod figures;
+mod bar;
 pub mod maps;
-pub mod measure;
 pub mod sheet;
 pub mod table;
 
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use super::look::LookArguments;
 use super::options::{FitArguments, MapArguments, write_text};
@@ -22,10 +19,12 @@ use crate::filter::{MethodChoice, Rival};
 use crate::gpu::Gpu;
 use crate::headless::Screenshot;
 use crate::image_io::write_png_rgba8;
+use crate::lit_surface::LitSurface;
+use crate::measure::{Cell, MeasureSettings, Measurer, Point, files};
 use crate::scene::Camera;
 use crate::session::Session;
-use figures::Cell;
-use measure::{Measured, Measurer, Settings};
+use bar::Bar;
+use sheet::Row;
 
 /// Every method against the truth: a table, and pictures.
 #[derive(Args, Debug)]
@@ -57,6 +56,10 @@ pub struct CompareCommand {
     /// Exponents of the material, with commas between.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_exponent, conflicts_with = "brdf")]
     pub exponents: Vec<f32>,
+    /// Measure the mean change from frame to frame too, each method's beside the truth's, over a dolly of N frames:
+    /// the first at the cell's distance, each of the others 1/16 farther than the one before.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=256))]
+    pub dolly: Option<u16>,
     /// The surface and its material.
     #[command(flatten)]
     pub look: LookArguments,
@@ -78,6 +81,9 @@ pub struct CompareCommand {
     #[arg(long, value_name = "FILE")]
     pub sheet: Option<PathBuf>,
 }
+
+/// Frames whose median time is reported.
+const TIMED_FRAMES: usize = 5;
 
 fn parse_distance(text: &str) -> Result<f32, String> {
     let range = Camera::MIN_DISTANCE..=Camera::MAX_DISTANCE;
@@ -104,48 +110,66 @@ impl CompareCommand {
         // What is wrong with the first map, the only one as a rule, is told before anything is set up.
         let first = self.session_of(maps[0].as_deref())?;
         let gpu = Gpu::headless()?;
-        let measured = self.measure(&gpu, &maps, first)?;
+        let rows = self.measure(&gpu, &maps, first)?;
         if let Some(path) = &self.sheet {
-            let Screenshot { size, rgba } = sheet::draw(&gpu, &measured)?;
+            let Screenshot { size, rgba } = sheet::draw(&gpu, &rows)?;
             write_png_rgba8(path, size[0] as usize, size[1] as usize, &rgba)?;
         }
-        let cells: Vec<Cell> = measured.into_iter().map(|measured| measured.cell).collect();
+        let cells: Vec<Cell> = rows.into_iter().map(|row| row.cell).collect();
         if let Some(path) = &self.json {
-            write_text(path, &table::json(&cells)?)?;
+            let json = files::json(&cells).ok_or_else(|| anyhow::anyhow!("Nothing was compared."))?;
+            write_text(path, &json?)?;
         }
         if let Some(path) = &self.csv {
-            write_text(path, table::csv(&cells).trim_end())?;
+            write_text(path, files::csv(&cells).trim_end())?;
         }
         let uses_output = [&self.json, &self.csv, &self.sheet].into_iter().flatten().any(|path| path == Path::new("-"));
         if uses_output { Ok(()) } else { write_text("-".as_ref(), table::text(&cells).trim_end()) }
     }
 
     /// Every cell of every map, of which `first` is the first one's session.
-    fn measure(&self, gpu: &Gpu, maps: &[Option<PathBuf>], first: Session) -> anyhow::Result<Vec<Measured>> {
-        let settings = self.settings();
-        let bar = progress_bar(maps.len() as u64 * Measurer::steps(&settings));
+    fn measure(&self, gpu: &Gpu, maps: &[Option<PathBuf>], first: Session) -> anyhow::Result<Vec<Row>> {
+        let settings = self.settings(&first);
+        let mut bar = Bar::new(maps.len() * self.distances.len().max(1) * self.exponents.len().max(1), &settings);
         let mut measurer = Measurer::new(gpu, &settings);
-        let mut measured = Vec::new();
+        let mut rows = Vec::new();
         let mut first = Some(first);
         for path in maps {
             let mut session = first.take().map_or_else(|| self.session_of(path.as_deref()), Ok)?;
             let map = path.as_ref().map_or_else(|| session.map().name(), |path| path.display().to_string());
-            bar.set_message(map.clone());
-            measured.extend(measurer.measure(&mut session, &map, &bar)?);
+            let points = self.points(&session);
+            bar.map(&map, points.len());
+            measurer.measure(&mut session, &points, &mut bar)?;
+            rows.extend(bar.rows(&points));
         }
-        bar.finish_and_clear();
-        Ok(measured)
+        bar.finish();
+        Ok(rows)
     }
 
-    fn settings(&self) -> Settings {
+    fn settings(&self, first: &Session) -> MeasureSettings {
         let PictureSize(size) = self.size;
-        Settings {
+        MeasureSettings {
             methods: self.methods.clone(),
-            distances: self.distances.clone(),
-            exponents: self.exponents.clone(),
             size,
+            truth_samples: first.truth_samples,
+            timed_frames: TIMED_FRAMES,
+            dolly_frames: self.dolly.map_or(0, usize::from),
             keeps_pictures: self.sheet.is_some(),
         }
+    }
+
+    /// The session's surface from every distance with every exponent.
+    fn points(&self, session: &Session) -> Vec<Point> {
+        let or = |values: &[f32], value: f32| if values.is_empty() { vec![value] } else { values.to_vec() };
+        let mut points = Vec::new();
+        for shininess in or(&self.exponents, session.surface.material.shininess) {
+            for distance in or(&self.distances, session.surface.camera.distance) {
+                let mut surface: LitSurface = session.surface;
+                (surface.material.shininess, surface.camera.distance) = (shininess, distance);
+                points.push(Point { surface, fit: *session.fit_settings() });
+            }
+        }
+        points
     }
 
     fn session_of(&self, map: Option<&Path>) -> anyhow::Result<Session> {
@@ -157,14 +181,5 @@ impl CompareCommand {
         })?;
         session.skip_previews();
         Ok(session)
-    }
-}
-
-/// A bar on a terminal, nothing in a pipe.
-fn progress_bar(steps: u64) -> ProgressBar {
-    let bar = if std::io::stderr().is_terminal() { ProgressBar::new(steps) } else { ProgressBar::hidden() };
-    match ProgressStyle::with_template("comparing {bar:32} {percent:>3} % {msg}") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
     }
 }

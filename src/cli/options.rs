@@ -2,7 +2,6 @@
 
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
@@ -173,20 +172,15 @@ pub fn wait_for_fit(session: &mut Session) -> anyhow::Result<()> {
     if let Ok(style) = ProgressStyle::with_template("fitting {bar:32} {percent:>3} % {msg}") {
         bar.set_style(style);
     }
-    while !session.fitting().is_complete() {
+    let waited = session.wait_for_fit(&mut |session| {
         if let Some(progress) = session.fitting().progress() {
             bar.set_position((progress.fraction * 1000.0) as u64);
             let busy = progress.levels.iter().rposition(|&done| done > 0.0 && done < 1.0);
             bar.set_message(busy.map_or_else(String::new, |level| format!("level {level}")));
         }
-        session.wait(Duration::from_millis(50));
-        if let Some(error) = session.take_messages().into_iter().find(|message| message.is_error) {
-            anyhow::bail!(error.text);
-        }
-        anyhow::ensure!(session.fitting().is_running() || session.fitting().is_complete(), "The fit was stopped.");
-    }
+    });
     bar.finish_and_clear();
-    Ok(())
+    waited.map_err(|message| anyhow::anyhow!(message.text))
 }
 
 /// Writes text to a file, whole or not at all, or to standard output where the path is `-`.

@@ -3,8 +3,8 @@
 //! A GPU comes first, then software Vulkan, then GL: a GPU draws in milliseconds, software Vulkan draws the same
 //! picture slowly, and GL lacks filtering of 32-bit textures on many drivers.
 
-/// The device that draws, and why it was chosen.
-#[derive(Debug)]
+/// The device that draws, and why it was chosen; clones share it.
+#[derive(Clone, Debug)]
 pub struct Gpu {
     /// The instance it came from.
     pub instance: wgpu::Instance,

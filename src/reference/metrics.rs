@@ -28,6 +28,18 @@ pub fn standard_error(half: &Picture, whole: &Picture) -> Option<f64> {
     normalised_color_error(half, whole)
 }
 
+/// What changes from one frame to the next: the Euclidean distance of a pixel's two colours over the mean length of the
+/// reference's two, averaged over the pixels that are covered in both and whose reference is not black in both. `None`
+/// where there is none.
+pub fn temporal_change(frames: [&Picture; 2], reference: [&Picture; 2]) -> Option<f64> {
+    let [before, after] = frames.map(|frame| frame.rgb.iter().map(|color| color.as_dvec3()));
+    let [was, is] = reference.map(|frame| frame.rgb.iter().zip(&frame.covered));
+    mean(before.zip(after).zip(was.zip(is)).filter_map(|((before, after), ((was, seen), (is, still_seen)))| {
+        let length = 0.5 * (was.as_dvec3().length() + is.as_dvec3().length());
+        (*seen && *still_seen && length > 0.0).then(|| (after - before).length() / length)
+    }))
+}
+
 fn covered<'a>(picture: &'a Picture, reference: &'a Picture) -> impl Iterator<Item = (glam::DVec3, glam::DVec3)> + 'a {
     let pairs = picture.rgb.iter().zip(&reference.rgb).zip(&reference.covered);
     pairs.filter(|(_, covered)| **covered).map(|((color, truth), _)| (color.as_dvec3(), truth.as_dvec3()))
@@ -55,6 +67,17 @@ mod tests {
         assert_eq!(normalised_color_error(&other, &reference), Some(0.2));
         assert!(rmse(&other, &reference).is_some_and(|e| (e - (5.0_f64 / 6.0).sqrt()).abs() < 1e-12));
         assert_eq!(rmse(&reference, &reference), Some(0.0));
+    }
+
+    #[test]
+    fn change_is_over_the_reference_and_only_where_both_frames_are_covered() {
+        let [was, mut is] = [0.5, 1.5].map(|grey| picture([Vec3::X * grey, Vec3::ZERO, Vec3::ONE]));
+        let other = picture([Vec3::new(0.5, 0.25, 0.0), Vec3::ONE, Vec3::ONE]);
+        assert_eq!(temporal_change([&was, &is], [&was, &is]), Some(1.0));
+        assert_eq!(temporal_change([&was, &was], [&was, &is]), Some(0.0));
+        assert_eq!(temporal_change([&was, &other], [&was, &is]), Some(0.25));
+        is.covered = vec![false; 3];
+        assert_eq!(temporal_change([&was, &other], [&was, &is]), None);
     }
 
     #[test]

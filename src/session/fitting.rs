@@ -73,6 +73,8 @@ pub struct Fitting {
     pool: Option<Arc<ThreadPool>>,
     running: Option<Running>,
     previews: bool,
+    /// True where the unaligned levels are kept for another alignment.
+    remembers: bool,
     /// Levels of the unaligned fit of the settings in force, whatever the alignment.
     own: OwnLevels,
     /// Those of one lobe fewer, which the fit grows from.
@@ -102,6 +104,7 @@ impl Fitting {
             pool: None,
             running: None,
             previews: true,
+            remembers: true,
             own: OwnLevels::default(),
             fewer: OwnLevels::default(),
             grown: false,
@@ -161,7 +164,21 @@ impl Fitting {
 
     /// Keeps no level from now on before it is finished.
     pub fn skip_previews(&mut self) {
-        self.previews = false;
+        (self.previews, self.remembers) = (false, false);
+    }
+
+    /// The finished fit, if there is one, in a place of its own that keeps no previews; with the unaligned levels where
+    /// it `remembers` them. A fit that grew is left, so that what follows is what a start from nothing comes to.
+    pub fn fork(&self, remembers: bool) -> Self {
+        let new = Self::new(Arc::clone(&self.map), self.settings);
+        let mut fork = Self { threads: self.threads, pool: self.pool.clone(), previews: false, remembers, ..new };
+        if !self.grown {
+            fork.own = if remembers { self.own.clone() } else { OwnLevels::default() };
+            if let Some(fit) = self.finished() {
+                fork.take_fit(fit);
+            }
+        }
+        fork
     }
 
     /// Threads that fits run on.
@@ -233,7 +250,8 @@ impl Fitting {
     /// Forgets the lobes and takes another map.
     pub fn adopt(&mut self, map: Arc<NormalMap>) {
         let (revision, threads, pool) = (self.revision + 1, self.threads, self.pool.take());
-        *self = Self { revision, threads, pool, previews: self.previews, ..Self::new(map, self.settings) };
+        let (previews, remembers) = (self.previews, self.remembers);
+        *self = Self { revision, threads, pool, previews, remembers, ..Self::new(map, self.settings) };
     }
 
     /// Forgets the lobes and takes a fit that is finished.
@@ -383,7 +401,7 @@ impl Fitting {
     /// Remembers a level of the unaligned fit; they come from the finest up.
     fn remember(&mut self, level: usize, mixtures: &Arc<MixtureLevel>, stats: LevelStats) {
         let next = level == self.own.len() + 1;
-        if next && self.previews && self.own_bytes() + kept::level_bytes(mixtures) <= kept::BUDGET / 2 {
+        if next && self.remembers && self.own_bytes() + kept::level_bytes(mixtures) <= kept::BUDGET / 2 {
             self.own.push((Arc::clone(mixtures), stats));
         }
     }

@@ -101,7 +101,7 @@ fn every_cell_of_a_folder_its_distances_and_exponents_has_its_figures() {
     let csv = std::fs::read_to_string(folder.path().join("t.csv")).expect("written");
     assert_eq!(csv.lines().count(), 1 + 8 * 2);
     assert!(csv.starts_with("map,distance,exponent,method,normalised_color_error,rmse,flip,"));
-    assert!(csv.lines().all(|line| line.split(',').count() == 11), "{csv}");
+    assert!(csv.lines().all(|line| line.split(',').count() == 13), "{csv}");
     let sheet = image::open(folder.path().join("s.png")).expect("a PNG").to_rgb8();
     assert!(sheet.width() >= 3 * 64 && sheet.height() >= 8 * 40, "{} x {}", sheet.width(), sheet.height());
     let colors: std::collections::HashSet<_> = sheet.pixels().collect();

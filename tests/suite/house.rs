@@ -17,7 +17,7 @@ const LAYERS: &[(u8, &[&str])] = &[
     (2, &["ndf", "brdf", "lighting"]),
     (3, &["filter", "lit_surface", "comparison"]),
     (4, &["reference", "export", "gpu"]),
-    (5, &["jobs", "session"]),
+    (5, &["jobs", "session", "measure"]),
     (6, &["app", "headless", "cli", "main"]),
 ];
 

@@ -1,6 +1,7 @@
 //! The panels, one file each. A panel reads the session, keeps its own view state, and pushes commands.
 
 pub mod controls;
+pub mod figures_panel;
 pub mod lobe_table;
 pub mod map_panel;
 pub mod sphere_panel;
@@ -13,6 +14,7 @@ pub mod trace_plot;
 
 use egui::{Response, RichText, Ui};
 
+use super::figures_report::FiguresReport;
 use super::inspector::Surroundings;
 use super::map_picture::MapTextures;
 use super::texel_report::TexelReport;
@@ -32,6 +34,8 @@ pub struct PanelContext<'a> {
     pub report: &'a TexelReport,
     /// How its fit went.
     pub trace: &'a TraceReport,
+    /// What was measured.
+    pub figures: &'a FiguresReport,
     /// Levels as textures.
     pub textures: &'a mut MapTextures,
     /// Where all this is shown.

@@ -10,7 +10,7 @@ use crate::session::fitting::LevelState;
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, hover: Option<&str>) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 16.0;
-        let adapter = &context.surroundings.adapter;
+        let adapter = &context.surroundings.gpu.choice;
         let color = if adapter.software { theme::WARNING } else { theme::WEAK };
         ui.label(RichText::new(&adapter.reason).small().color(color)).on_hover_text(
             "A GPU is used if there is one, else software Vulkan, else GL. WGPU_ADAPTER_NAME picks another.",

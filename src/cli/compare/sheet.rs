@@ -3,10 +3,19 @@
 
 use egui::{Align2, Color32, ColorImage, FontId, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2, vec2};
 
-use super::measure::{Measured, Shown};
 use super::table::figure;
 use crate::gpu::Gpu;
 use crate::headless::{Canvas, Screenshot};
+use crate::measure::{Cell, Shown};
+
+/// A cell with its pictures: the truth's, then each method's; none where they are not wanted.
+#[derive(Debug)]
+pub struct Row {
+    /// The figures.
+    pub cell: Cell,
+    /// The pictures.
+    pub pictures: Vec<Shown>,
+}
 
 /// Pixels between pictures and around them.
 const GAP: f32 = 8.0;
@@ -61,7 +70,7 @@ impl Layout {
 ///
 /// # Errors
 /// One sentence that says what is too large, or that the adapter failed.
-pub fn draw(gpu: &Gpu, measured: &[Measured]) -> anyhow::Result<Screenshot> {
+pub fn draw(gpu: &Gpu, measured: &[Row]) -> anyhow::Result<Screenshot> {
     let columns = measured.iter().map(|row| row.pictures.len()).max().unwrap_or(0);
     let size = measured.iter().flat_map(|row| &row.pictures).next().map_or([1, 1], |picture| picture.size);
     let limit = gpu.device.limits().max_texture_dimension_2d as f32;
@@ -88,7 +97,7 @@ fn texture(ui: &egui::Ui, picture: &Shown) -> TextureHandle {
     ui.ctx().load_texture("picture", image, TextureOptions::LINEAR)
 }
 
-fn paint(painter: &egui::Painter, layout: Layout, measured: &[Measured], textures: &[Vec<TextureHandle>]) {
+fn paint(painter: &egui::Painter, layout: Layout, measured: &[Row], textures: &[Vec<TextureHandle>]) {
     painter.rect_filled(Rect::EVERYTHING, 0.0, BACKGROUND);
     for (row, (measured, textures)) in measured.iter().zip(textures).enumerate() {
         let cell = &measured.cell;

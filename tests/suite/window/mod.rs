@@ -11,7 +11,7 @@ use ndf_inspector::app::inspector::{Inspector, Surroundings, wake_of};
 use ndf_inspector::app::viewport::PaintTarget;
 use ndf_inspector::app::window::wgpu_setup;
 use ndf_inspector::filter::vmf::FitSettings;
-use ndf_inspector::gpu::AdapterChoice;
+use ndf_inspector::gpu::{AdapterChoice, Gpu};
 use ndf_inspector::jobs::Wake;
 use ndf_inspector::normal_map::procedural;
 use ndf_inspector::session::Session;
@@ -67,13 +67,12 @@ fn fitted(name: &'static str, size: usize) -> impl FnOnce(Wake) -> Session {
 
 /// A window of 1280x800 on the session that `make` builds.
 fn window(make: impl FnOnce(Wake) -> Session) -> Window {
-    let adapter = AdapterChoice {
+    let choice = AdapterChoice {
         name: "test".to_owned(),
         backend: "vulkan",
         software: false,
         reason: "the adapter under test".to_owned(),
     };
-    let surroundings = Surroundings { adapter, target: PaintTarget::default(), live: false };
     Harness::builder()
         .with_size([1280.0, 800.0])
         .with_step_dt(0.02)
@@ -81,6 +80,10 @@ fn window(make: impl FnOnce(Wake) -> Session) -> Window {
         .wgpu_setup(wgpu_setup())
         .build_eframe(|creation| {
             let ctx = &creation.egui_ctx;
+            let state = creation.wgpu_render_state.clone().expect("a device");
+            let (instance, adapter, device, queue) = (state.instance, state.adapter, state.device, state.queue);
+            let gpu = Gpu { instance, adapter, device, queue, choice };
+            let surroundings = Surroundings { gpu, target: PaintTarget::default(), live: false };
             TestWindow { inspector: Inspector::new(ctx, make(wake_of(ctx)), surroundings) }
         })
 }

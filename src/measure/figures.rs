@@ -13,10 +13,13 @@ pub struct MethodFigures {
     pub rmse: Option<f64>,
     /// Mean FLIP error, over the covered pixels, of the pictures as they are displayed (Andersson et al. 2020).
     pub flip: Option<f64>,
-    /// Of one frame of this method alone.
-    pub milliseconds: f64,
+    /// Of one frame of this method alone, where that was timed.
+    pub milliseconds: Option<f64>,
     /// What a texel above the base level takes in the textures that the method reads.
     pub bytes_per_texel: u32,
+    /// Mean change from frame to frame of a dolly, where that was measured; see [`dolly`](super::dolly).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temporal_change: Option<f64>,
 }
 
 /// What the methods are held against.
@@ -26,6 +29,9 @@ pub struct Reference {
     pub samples_per_pixel: u32,
     /// Of the reference, in the normalisation of the colour error.
     pub standard_error: Option<f64>,
+    /// Mean change from frame to frame of the truth itself, where that was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temporal_change: Option<f64>,
 }
 
 /// One map at one distance and exponent.
@@ -53,13 +59,15 @@ pub fn mean(cells: &[Cell]) -> Option<(Reference, Vec<MethodFigures>)> {
             normalised_color_error: mean_of(all.iter().map(|figures| figures.normalised_color_error)),
             rmse: mean_of(all.iter().map(|figures| figures.rmse)),
             flip: mean_of(all.iter().map(|figures| figures.flip)),
-            milliseconds: mean_of(all.iter().map(|figures| Some(figures.milliseconds))).unwrap_or_default(),
+            milliseconds: mean_of(all.iter().map(|figures| figures.milliseconds)),
             bytes_per_texel: first.methods[index].bytes_per_texel,
+            temporal_change: mean_of(all.iter().map(|figures| figures.temporal_change)),
         }
     };
     let standard_error = mean_of(cells.iter().map(|cell| cell.reference.standard_error));
+    let temporal_change = mean_of(cells.iter().map(|cell| cell.reference.temporal_change));
     let methods = (0..first.methods.len()).map(of_method).collect();
-    Some((Reference { standard_error, ..first.reference }, methods))
+    Some((Reference { standard_error, temporal_change, ..first.reference }, methods))
 }
 
 /// In how many cells each method has the lowest colour error of all, the truth left aside.
@@ -90,10 +98,11 @@ mod tests {
             normalised_color_error,
             rmse: None,
             flip: None,
-            milliseconds: 1.0,
+            milliseconds: Some(1.0),
             bytes_per_texel: 16,
+            temporal_change: None,
         };
-        let reference = Reference { samples_per_pixel: 1024, standard_error: Some(0.5) };
+        let reference = Reference { samples_per_pixel: 1024, standard_error: Some(0.5), temporal_change: None };
         let methods = errors.map(figures).to_vec();
         Cell { map: "waves".to_owned(), distance: 3.0, exponent: 64.0, reference, methods }
     }
