@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::view_state::{MapShading, MapView};
 use crate::color::{LOBE_COLORS, heat, linear_from_srgb, srgb8_from_linear};
-use crate::filter::vmf::Fold;
+use crate::filter::vmf::{Fold, fold};
 use crate::normal_map::pyramid::Texel;
 use crate::session::Session;
 use crate::sphere::mixture::used;
@@ -224,7 +224,7 @@ impl<'a> TexelPainter<'a> {
     /// The lobes' colours mixed by weight, in linear light.
     fn lobe_color(&self, x: usize, y: usize) -> [u8; 3] {
         let texel = Texel { level: self.level, x, y };
-        let Some(mixture) = super::texel_report::folded_mixture(self.session.lobes(), self.fold, texel) else {
+        let Some(mixture) = fold::mixture(self.session.lobes(), self.fold, texel) else {
             return MISSING;
         };
         let linear = |slot: usize| {

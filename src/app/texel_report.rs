@@ -6,23 +6,18 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use crate::brdf::{BlinnPhong, Brdf, ConvolutionRule};
-use crate::filter::vmf::{Fold, LobePyramid, effective_brdf};
+use crate::filter::vmf::{Fold, LobePyramid, fold};
 use crate::jobs::{Job, JobEvent, Wake};
 use crate::ndf::Ndf;
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::reference::NdfPicture;
 use crate::session::Session;
-use crate::sphere::direction::hemisphere;
+use crate::sphere::Mixture;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
-use crate::sphere::{Mixture, StoredLobe};
 
 /// Footprints up to this many base texels are gathered between two frames.
 const AT_ONCE: usize = 1 << 17;
-
-/// Directions over which the error of the effective BRDF is taken.
-const DIRECTIONS: usize = 96;
 
 /// The data of a texel, independent of any fit.
 #[derive(Clone, Debug)]
@@ -47,8 +42,6 @@ pub struct TexelFit {
     pub colors: Option<Vec<Vec3>>,
     /// Weighted mean over the normals of the natural log of the mixture's density.
     pub mean_log_likelihood: f64,
-    /// Error of the effective BRDF over the hemisphere, relative to the truth, in the root mean square.
-    pub brdf_error: f64,
 }
 
 /// The report on the selected texel, kept up to date by [`TexelReport::update`].
@@ -67,8 +60,6 @@ struct FitKey {
     data_revision: u64,
     lobes_revision: u64,
     texel: Texel,
-    shininess: f32,
-    rule: ConvolutionRule,
 }
 
 impl TexelReport {
@@ -133,13 +124,10 @@ impl TexelReport {
 
     fn update_fit(&mut self, session: &Session) {
         let Some(data) = self.data.clone() else { return };
-        let material = &session.surface.material;
         let key = FitKey {
             data_revision: self.data_revision,
             lobes_revision: session.fitting().revision(),
             texel: data.texel,
-            shininess: material.shininess,
-            rule: material.convolution,
         };
         if self.fit_key == Some(key) || self.job.is_some() {
             return;
@@ -149,14 +137,13 @@ impl TexelReport {
         // A texel fitted ahead of its level has no colours yet.
         let ahead = session.fitting().first(data.texel).map(|stored| (Mixture::from_stored(stored), None));
         let shown = || {
-            let mixture = folded_mixture(lobes, fold, data.texel)?;
+            let mixture = fold::mixture(lobes, fold, data.texel)?;
             let colors = folded_colors(lobes, fold, data.texel, &mixture);
             Some((mixture, colors))
         };
         self.fit = ahead.or_else(shown).map(|(mixture, colors)| TexelFit {
             colors,
             mean_log_likelihood: mean_log_likelihood(session.map(), &data, &mixture),
-            brdf_error: brdf_error(&data.picture, &mixture, material.shininess, material.convolution),
             mixture,
         });
     }
@@ -165,23 +152,6 @@ impl TexelReport {
 fn gather(map: &NormalMap, texel: Texel) -> TexelData {
     let ndf = Ndf::of_texel(map, texel);
     TexelData { texel, picture: NdfPicture::new(ndf.samples()), normals: ndf.len(), mean_length: ndf.mean().length() }
-}
-
-/// The lobes of a texel as they are shown: merged as the preview merges them.
-pub fn folded_mixture(lobes: &LobePyramid, fold: Fold, texel: Texel) -> Option<Mixture> {
-    let mut folded = [[0.0; 4]; MAX_LOBES];
-    let mut add = |slot: usize, stored: StoredLobe| {
-        let target = &mut folded[usize::from(fold.0[slot])];
-        *target = std::array::from_fn(|i| target[i] + stored[i]);
-    };
-    if texel.level == 0 {
-        let index = texel.y * lobes.map.width + texel.x;
-        add(lobes.base_slot(index), lobes.base_lobe(index));
-    } else {
-        let level = lobes.level(texel.level)?;
-        level.texel(texel.x, texel.y).iter().enumerate().for_each(|(slot, &stored)| add(slot, stored));
-    }
-    Some(Mixture::from_stored(&folded))
 }
 
 /// The colours of that mixture's lobes: of slots that are merged, the mean by weight.
@@ -210,18 +180,6 @@ fn mean_log_likelihood(map: &NormalMap, data: &TexelData, mixture: &Mixture) -> 
     data.picture.points.iter().map(|&(normal, weight)| weight * log_density(normal)).sum()
 }
 
-/// `sqrt(sum (vmf - truth)^2 / sum truth^2)` of the effective BRDF over directions of equal solid angle.
-fn brdf_error(picture: &NdfPicture, mixture: &Mixture, shininess: f32, rule: ConvolutionRule) -> f64 {
-    let brdf = Brdf::BlinnPhong(BlinnPhong { shininess: f64::from(shininess) });
-    let (mut squared_error, mut squared_truth) = (0.0, f64::MIN_POSITIVE);
-    for omega in hemisphere(DIRECTIONS) {
-        let truth: f64 = picture.points.iter().map(|&(normal, weight)| weight * brdf.zonal(normal.dot(omega))).sum();
-        squared_error += (effective_brdf(mixture, brdf, omega, rule) - truth).powi(2);
-        squared_truth += truth * truth;
-    }
-    (squared_error / squared_truth).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -240,7 +198,7 @@ mod tests {
         lobes.coarse[0] = Some(Arc::new(MixtureLevel { width: 1, height: 1, lobes: 3, stored }));
         let top = Texel { level: 1, x: 0, y: 0 };
         let colors = |lobes: &LobePyramid, fold, texel| {
-            folded_colors(lobes, fold, texel, &folded_mixture(lobes, fold, texel).expect("fitted"))
+            folded_colors(lobes, fold, texel, &fold::mixture(lobes, fold, texel).expect("fitted"))
         };
         assert_eq!(colors(&lobes, Fold::default(), top), None, "not fitted yet");
         let red_and_blue = vec![[0.25, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 0.75]];

@@ -66,16 +66,40 @@ impl DiffuseRule {
     pub fn cosine(self, kappa: f64, cosine: f64) -> f64 {
         match self {
             Self::Cosine => cosine.max(0.0),
-            Self::Exact => PI * convolved(kappa, 1.0, cosine),
+            Self::Exact => PI * self.convolved_with(kappa).at(cosine),
+        }
+    }
+
+    /// That over pi, ready for any number of cosines.
+    pub fn convolved_with(self, kappa: f64) -> Convolved {
+        match self {
+            Self::Cosine => Convolved::Power(BlinnPhong { shininess: 1.0 }),
+            Self::Exact => ConvolutionRule::Exact.convolved_with(kappa, 1.0),
         }
     }
 }
 
-/// `f` of exponent `shininess` convolved with a lobe of concentration `kappa`, at the cosine `u` to its mean direction.
-fn convolved(kappa: f64, shininess: f64, u: f64) -> f64 {
-    match series(kappa, shininess) {
-        Some(coefficients) => zonal_series(coefficients.into_iter(), u).max(0.0),
-        None => ConvolutionRule::ShiftedExponent.convolved(kappa, shininess, u),
+/// `exp(-NOTHING)` is less than what f64 resolves beside a peak.
+const NOTHING: f64 = 40.0;
+
+/// Blinn-Phong convolved with one lobe, ready for any number of cosines.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Convolved {
+    /// Blinn-Phong of a smaller exponent.
+    Power(BlinnPhong),
+    /// A Legendre series by its coefficients.
+    Series(Vec<f64>),
+}
+
+impl Convolved {
+    /// The value at the cosine to the lobe's mean direction.
+    pub fn at(&self, cosine: f64) -> f64 {
+        match self {
+            // u^s <= exp(-s (1-u)): far from a sharp lobe there is nothing to raise to a power.
+            Self::Power(model) if model.shininess * (1.0 - cosine) > NOTHING => 0.0,
+            Self::Power(model) => model.zonal(cosine),
+            Self::Series(coefficients) => zonal_series(coefficients.iter().copied(), cosine).max(0.0),
+        }
     }
 }
 
@@ -109,9 +133,15 @@ impl ConvolutionRule {
     /// Blinn-Phong of exponent `shininess` convolved with a lobe of concentration `kappa`, at the cosine to the lobe's
     /// mean direction.
     pub fn convolved(self, kappa: f64, shininess: f64, cosine: f64) -> f64 {
+        self.convolved_with(kappa, shininess).at(cosine)
+    }
+
+    /// That for any number of cosines.
+    pub fn convolved_with(self, kappa: f64, shininess: f64) -> Convolved {
+        let power = || Convolved::Power(BlinnPhong { shininess: self.blurred_exponent(kappa, shininess) });
         match self {
-            Self::Exact => convolved(kappa, shininess, cosine),
-            _ => BlinnPhong { shininess: self.blurred_exponent(kappa, shininess) }.zonal(cosine),
+            Self::Exact => series(kappa, shininess).map_or_else(power, Convolved::Series),
+            _ => power(),
         }
     }
 

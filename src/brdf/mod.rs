@@ -6,7 +6,7 @@ pub mod exact_table;
 use glam::Vec3;
 use std::str::FromStr;
 
-pub use blinn_phong::{BlinnPhong, ConvolutionRule, DiffuseRule};
+pub use blinn_phong::{BlinnPhong, ConvolutionRule, Convolved, DiffuseRule};
 
 /// What the lit surface is made of: a Lambertian and a Blinn-Phong part.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -11,8 +11,8 @@ use super::options::{FitArguments, MapArguments, read_text, wait_for_fit, write_
 use super::rules::{Convolution, Diffuse};
 use crate::brdf::Brdf;
 use crate::filter::rival::Source;
-use crate::filter::vmf::{Alignment, Cancelled, Fold, Monitor, Rules};
-use crate::filter::{Filter, Method, MethodChoice, Truth, UnalignedVmf, VmfFilter};
+use crate::filter::vmf::{Alignment, Fold, Monitor, Rules};
+use crate::filter::{Method, MethodChoice};
 use crate::normal_map::pyramid::Texel;
 use crate::session::Session;
 use crate::sphere::Direction;
@@ -94,7 +94,8 @@ impl ProbeCommand {
             session.begin(settings);
             wait_for_fit(&mut session)?;
         }
-        let filter = filter_of(&session, self.method.method, self.rules())?;
+        let source = Source { mip: session.mip(), rules: self.rules(), monitor: &Monitor::new(Vec::new()) };
+        let filter = self.method.method.filter(&source, session.lobes(), Fold::default())?;
         let texel_report = |&texel: &Texel| TexelReport {
             level: texel.level,
             x: texel.x,
@@ -128,19 +129,6 @@ impl ProbeCommand {
         anyhow::ensure!(!omegas.is_empty(), "No direction was given: add --omega X,Y,Z or --omegas FILE.");
         Ok(omegas)
     }
-}
-
-/// The filter of a method over what the session holds.
-fn filter_of(session: &Session, method: Method, rules: Rules) -> Result<Arc<dyn Filter>, Cancelled> {
-    let vmf = || VmfFilter { lobes: Arc::clone(session.lobes()), fold: Fold::default(), rules };
-    Ok(match method {
-        Method::Truth => Arc::new(Truth { map: Arc::clone(session.map()), samples: 1 }),
-        Method::Rival(rival) => {
-            rival.build(&Source { mip: session.mip(), rules, monitor: &Monitor::new(Vec::new()) })?
-        }
-        Method::Vmf => Arc::new(vmf()),
-        Method::VmfUnaligned => Arc::new(UnalignedVmf(vmf())),
-    })
 }
 
 impl Report {

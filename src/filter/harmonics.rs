@@ -17,7 +17,7 @@ use glam::{DVec3, Vec3};
 use super::channels::ChannelPyramid;
 use super::rival::{Built, Parameter, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
-use super::{Filter, LocalLight, Lookup, PlainMip};
+use super::{EffectiveBrdf, Filter, LocalLight, Lookup, PlainMip};
 use crate::brdf::{Brdf, ConvolutionRule, Material};
 use crate::ndf::Ndf;
 use crate::normal_map::pyramid::Texel;
@@ -144,14 +144,26 @@ impl RivalFilter for Harmonics {
 }
 
 impl Filter for Harmonics {
-    /// Summed as `E[sum_l (2l+1)/(4 pi) rho_l P_l(n . w)]`, the same by the addition theorem.
-    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
+    fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let multipliers = match brdf {
             Brdf::Lambert => multipliers(ConvolutionRule::Exact, 1.0, self.last_band),
             Brdf::BlinnPhong(model) => multipliers(self.rule, model.shininess, self.last_band),
         };
-        let series = |normal: DVec3| zonal_series(multipliers.iter().copied(), normal.dot(omega));
-        Ndf::of_texel(&self.mip.map, texel).expectation(series)
+        let last_band = self.last_band;
+        let mut blurred = vec![0.0; harmonics_to(last_band)];
+        for (normal, weight) in Ndf::of_texel(&self.mip.map, texel).samples() {
+            let mut sums = blurred.iter_mut();
+            each_harmonic(normal, last_band, |l, value| {
+                if let Some(sum) = sums.next() {
+                    *sum += weight * multipliers[l] * value;
+                }
+            });
+        }
+        Box::new(move |omega| {
+            let (mut terms, mut sum) = (blurred.iter(), 0.0);
+            each_harmonic(omega, last_band, |_, value| sum += terms.next().map_or(0.0, |term| term * value));
+            sum
+        })
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {

@@ -17,7 +17,7 @@ use glam::{DVec2, DVec3, Vec3, Vec4};
 use super::channels::ChannelPyramid;
 use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
-use super::{Filter, LocalLight, Lookup, PlainMip};
+use super::{EffectiveBrdf, Filter, LocalLight, Lookup, PlainMip};
 use crate::brdf::{Brdf, Material};
 use crate::ndf::Ndf;
 use crate::normal_map::pyramid::Texel;
@@ -120,12 +120,12 @@ impl RivalFilter for Lean {
 }
 
 impl Filter for Lean {
-    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
+    fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let slopes = SlopeGaussian::of_ndf(&Ndf::of_texel(&self.mip.map, texel));
-        match brdf {
+        Box::new(move |omega| match brdf {
             Brdf::Lambert => brdf.zonal(slopes.normal().dot(omega)),
             Brdf::BlinnPhong(model) => slopes.density(model.shininess, omega),
-        }
+        })
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {

@@ -1,11 +1,13 @@
 //! Methods by name, as the command line and session files write them.
 
 use std::str::FromStr;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::plain_mip;
-use super::rival::{self, Rival};
+use super::rival::{self, Rival, Source};
+use super::vmf::{Cancelled, Fold, LobePyramid};
+use super::{Filter, Truth, UnalignedVmf, VmfFilter, plain_mip};
 use crate::sphere::mixture::MAX_LOBES;
 
 /// A filtering method.
@@ -46,6 +48,23 @@ impl Method {
     /// True for the methods that show fitted lobes.
     pub fn shows_lobes(self) -> bool {
         matches!(self, Self::Vmf | Self::VmfUnaligned)
+    }
+
+    /// Makes the filter, for effective BRDFs: a picture of the truth takes more than its one sample. Lobes are those at
+    /// hand, their slots merged by `fold`.
+    pub fn filter(
+        self,
+        source: &Source<'_>,
+        lobes: &Arc<LobePyramid>,
+        fold: Fold,
+    ) -> Result<Arc<dyn Filter>, Cancelled> {
+        let vmf = || VmfFilter { lobes: Arc::clone(lobes), fold, rules: source.rules };
+        Ok(match self {
+            Self::Truth => Arc::new(Truth { map: Arc::clone(&source.mip.map), samples: 1 }),
+            Self::Rival(rival) => rival.build(source)?,
+            Self::Vmf => Arc::new(vmf()),
+            Self::VmfUnaligned => Arc::new(UnalignedVmf(vmf())),
+        })
     }
 
     /// The rival, for all but the truth and the lobes.

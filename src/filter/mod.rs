@@ -3,7 +3,9 @@
 //! Every method estimates the same thing, the effective BRDF of a texel (Han et al. 2007, eq. 4 and 10),
 //! `rho_eff(w) = sum_q weight_q f(n_q . w)`, and shades a surface point with it.
 
+pub mod brdf_error;
 pub mod channels;
+pub mod footprint_brdf;
 pub mod gmm;
 pub mod harmonics;
 pub mod lean;
@@ -52,10 +54,19 @@ pub struct LocalLight {
     pub half_in_tangent: Vec3,
 }
 
+/// One texel's effective BRDF as a function of the direction, per steradian.
+pub type EffectiveBrdf<'a> = Box<dyn Fn(DVec3) -> f64 + Send + Sync + 'a>;
+
 /// One way of filtering, built from a pyramid.
-pub trait Filter: Sync {
-    /// Estimates `sum_q weight_q f(n_q . omega)` of one texel, per steradian.
-    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64;
+pub trait Filter: Send + Sync {
+    /// The method's estimate of `sum_q weight_q f(n_q . omega)` of one texel as a function of omega: what no direction
+    /// changes is worked out once.
+    fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_>;
+
+    /// That in one direction.
+    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
+        self.effective_brdf_of(texel, brdf)(omega)
+    }
 
     /// Linear RGB reflected towards the eye for light of radiance 1: the CPU twin of the method's shader.
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3;

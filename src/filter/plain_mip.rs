@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::sampling::{Grid, trilinear};
-use super::{Filter, LocalLight, Lookup, reflect};
+use super::{EffectiveBrdf, Filter, LocalLight, Lookup, reflect};
 use crate::brdf::{Brdf, Material};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::{Footprint, Texel};
@@ -131,9 +131,9 @@ fn mean_color(map: &NormalMap, footprint: &Footprint) -> Vec3 {
 impl RivalFilter for PlainMip {}
 
 impl Filter for PlainMip {
-    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
-        let mean = self.of_texel(texel).as_dvec3();
-        brdf.zonal(mean.try_normalize().unwrap_or(DVec3::Z).dot(omega))
+    fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
+        let normal = self.of_texel(texel).as_dvec3().try_normalize().unwrap_or(DVec3::Z);
+        Box::new(move |omega| brdf.zonal(normal.dot(omega)))
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
@@ -152,8 +152,9 @@ pub struct UnnormalisedMip {
 impl RivalFilter for UnnormalisedMip {}
 
 impl Filter for UnnormalisedMip {
-    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
-        brdf.zonal(self.mip.of_texel(texel).as_dvec3().dot(omega))
+    fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
+        let mean = self.mip.of_texel(texel).as_dvec3();
+        Box::new(move |omega| brdf.zonal(mean.dot(omega)))
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {

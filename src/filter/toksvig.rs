@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
-use super::{Filter, LocalLight, Lookup, PlainMip, reflect};
+use super::{EffectiveBrdf, Filter, LocalLight, Lookup, PlainMip, reflect};
 use crate::brdf::{BlinnPhong, Brdf, Material};
 use crate::normal_map::pyramid::Texel;
 
@@ -44,17 +44,18 @@ pub fn widened_exponent(length: f32, exponent: f32) -> f32 {
 impl RivalFilter for Toksvig {}
 
 impl Filter for Toksvig {
-    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
-        let mean = self.mip.of_texel(texel);
-        let cosine = mean.as_dvec3().try_normalize().unwrap_or(DVec3::Z).dot(omega);
-        match brdf {
-            Brdf::Lambert => brdf.zonal(cosine),
+    fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
+        let mean = self.mip.of_texel(texel).as_dvec3();
+        let normal = mean.try_normalize().unwrap_or(DVec3::Z);
+        let widened = match brdf {
+            Brdf::Lambert => brdf,
             Brdf::BlinnPhong(BlinnPhong { shininess }) => {
-                let length = mean.as_dvec3().length().min(1.0);
+                let length = mean.length().min(1.0);
                 let shininess = shininess * length / (length + shininess * (1.0 - length));
-                BlinnPhong { shininess }.zonal(cosine)
+                Brdf::BlinnPhong(BlinnPhong { shininess })
             }
-        }
+        };
+        Box::new(move |omega| widened.zonal(normal.dot(omega)))
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3};
 
 use super::sampling::address;
-use super::{Filter, LocalLight, Lookup, reflect};
+use super::{EffectiveBrdf, Filter, LocalLight, Lookup, reflect};
 use crate::brdf::{Brdf, Material};
 use crate::ndf::Ndf;
 use crate::normal_map::pyramid::Texel;
@@ -64,8 +64,9 @@ impl Truth {
 }
 
 impl Filter for Truth {
-    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
-        Ndf::of_texel(&self.map, texel).effective_brdf(brdf, omega)
+    fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
+        let ndf = Ndf::of_texel(&self.map, texel);
+        Box::new(move |omega| ndf.effective_brdf(brdf, omega))
     }
 
     fn takes_probes(&self) -> bool {

@@ -20,7 +20,8 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::brdf::{Brdf, Material};
 use crate::filter::sampling::address;
-use crate::filter::{Filter, LocalLight, Lookup, PixelFootprint, Truth, reflect};
+use crate::filter::{EffectiveBrdf, Filter, LocalLight, Lookup, PixelFootprint, reflect};
+use crate::ndf::Ndf;
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 
@@ -60,8 +61,13 @@ impl ExactCoverage {
 }
 
 impl Filter for ExactCoverage {
-    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
-        Truth { map: Arc::clone(&self.map), samples: 0 }.effective_brdf(texel, brdf, omega)
+    fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
+        let ndf = Ndf::of_texel(&self.map, texel);
+        Box::new(move |omega| ndf.effective_brdf(brdf, omega))
+    }
+
+    fn takes_probes(&self) -> bool {
+        false
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {

@@ -60,6 +60,17 @@ pub fn hemisphere(count: usize) -> impl Iterator<Item = DVec3> {
     })
 }
 
+/// `count` directions of equal solid angle over the zone around `axis`, a unit vector, between two cosines to it, the
+/// `inner` one larger: Fibonacci points.
+pub fn zone(axis: DVec3, inner: f64, outer: f64, count: usize) -> impl Iterator<Item = DVec3> {
+    let (side, other) = axis.any_orthonormal_pair();
+    hemisphere(count).map(move |point| {
+        let z = outer + (inner - outer) * point.z;
+        let shrink = ((1.0 - z * z) / (1.0 - point.z * point.z)).sqrt();
+        shrink * (point.x * side + point.y * other) + z * axis
+    })
+}
+
 /// Directions spread evenly over the hemisphere, on rings that share the angle from the pole evenly; the set stays the same
 /// when mirrored or turned by a right angle, so that what is worked out from it turns with the map. Nine rings have 204.
 pub fn symmetric_hemisphere(rings: usize) -> impl Iterator<Item = Vec3> {
@@ -90,6 +101,18 @@ mod tests {
             for image in [Vec3::new(-v.x, v.y, v.z), Vec3::new(v.x, -v.y, v.z), Vec3::new(-v.y, v.x, v.z)] {
                 assert!(all.iter().any(|w| image.distance(*w) < 1e-6), "{v}");
             }
+        }
+    }
+
+    #[test]
+    fn a_zone_holds_unit_vectors_whose_mean_is_its_own() {
+        for (inner, outer) in [(1.0, -1.0), (1.0, 0.7), (0.9, 0.1), (0.999, 0.99)] {
+            let axis = DVec3::new(0.3, -0.5, 0.6).normalize();
+            let points: Vec<DVec3> = zone(axis, inner, outer, 2000).collect();
+            let is_inside = |p: &DVec3| (outer..=inner).contains(&p.dot(axis));
+            assert!(points.iter().all(|p| (p.length() - 1.0).abs() < 1e-12 && is_inside(p)));
+            let mean = points.iter().sum::<DVec3>() / 2000.0;
+            assert!((mean - 0.5 * (inner + outer) * axis).length() < 5e-3, "{inner} to {outer}: {mean}");
         }
     }
 

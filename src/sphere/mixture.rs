@@ -84,6 +84,14 @@ impl Mixture {
         Self { lobes: lobes.collect() }
     }
 
+    /// The geometric mean of the concentrations by weight, `exp(sum_j alpha_j ln kappa_j / sum_j alpha_j)`: one figure
+    /// that no single sharp lobe rules. A concentration below 0.01 counts as that; `None` without lobes.
+    pub fn mean_concentration(&self) -> Option<f64> {
+        let weight: f64 = self.lobes.iter().map(|(_, lobe)| lobe.weight).sum();
+        let sum: f64 = self.lobes.iter().map(|(_, lobe)| lobe.weight * lobe.concentration.max(0.01).ln()).sum();
+        (weight > 0.0).then(|| (sum / weight).exp())
+    }
+
     /// Density at unit vector `direction`, per steradian.
     pub fn density(&self, direction: DVec3) -> f64 {
         self.lobes.iter().map(|(_, lobe)| lobe.weight * lobe.log_density(direction).exp()).sum()

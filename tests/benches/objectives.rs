@@ -10,12 +10,14 @@ use std::time::Instant;
 
 use glam::DVec3;
 use ndf_inspector::brdf::{BlinnPhong, Brdf, ConvolutionRule};
+use ndf_inspector::filter::brdf_error::RelativeL2;
 use ndf_inspector::filter::vmf::fit::{expected_visits, fit};
 use ndf_inspector::filter::vmf::{Alignment, FitSettings, LobePyramid, Monitor, Objective, effective_brdf};
 use ndf_inspector::ndf::Ndf;
 use ndf_inspector::normal_map::pyramid::Texel;
 use ndf_inspector::normal_map::{MapOptions, NormalMap, procedural};
 use ndf_inspector::session::{MapRequest, opening};
+use ndf_inspector::sphere::direction::hemisphere;
 use rayon::prelude::*;
 
 const LOBES: usize = 6;
@@ -47,18 +49,6 @@ fn maps() -> Vec<(String, Arc<NormalMap>)> {
     from_files.chain(bundled[..count].iter().map(|&name| (name.to_owned(), made(name)))).collect()
 }
 
-/// Directions spread evenly over the hemisphere, along a spiral.
-fn directions() -> Vec<DVec3> {
-    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-    let direction = |i: usize| {
-        let z = 1.0 - (i as f64 + 0.5) / DIRECTIONS as f64;
-        let (sin, cos) = (i as f64 * golden).sin_cos();
-        let r = (1.0 - z * z).sqrt();
-        DVec3::new(r * cos, r * sin, z)
-    };
-    (0..DIRECTIONS).map(direction).collect()
-}
-
 /// Texels at random, the same in every run.
 fn texels(map: &NormalMap, level: usize) -> Vec<Texel> {
     let (width, height) = map.level_sizes()[level];
@@ -87,12 +77,8 @@ fn errors(
     let mixture = lobes.mixture(texel).expect("fitted");
     std::array::from_fn(|material| {
         let brdf = Brdf::BlinnPhong(BlinnPhong { shininess: MATERIALS[material] });
-        let (mut difference, mut square) = (0.0, 0.0);
-        for (&omega, &exact) in directions.iter().zip(&truth[material]) {
-            difference += (effective_brdf(&mixture, brdf, omega, rule) - exact).powi(2);
-            square += exact * exact;
-        }
-        (difference / square).sqrt()
+        let values = directions.iter().map(|&omega| effective_brdf(&mixture, brdf, omega, rule));
+        RelativeL2::of(values.zip(truth[material].iter().copied()))
     })
 }
 
@@ -127,7 +113,7 @@ fn objectives() -> Vec<(&'static str, Objective, ConvolutionRule)> {
 }
 
 fn print_errors() {
-    let directions = directions();
+    let directions: Vec<DVec3> = hemisphere(DIRECTIONS).collect();
     let maps = maps();
     let truths: Vec<Vec<(Texel, Vec<Vec<f64>>)>> = maps
         .iter()

@@ -168,22 +168,11 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>) {
     };
     lobe_table::show(ui, fit);
     ui.add_space(theme::GRID);
-    let shininess = context.session.surface.material.shininess;
-    let brdf_error = format!("Effective BRDF error at s = {shininess:.0}");
-    let rows = [
-        ("Mean log-likelihood", format!("{:.4}", fit.mean_log_likelihood), "Mean of ln(density) over the normals"),
-        (
-            &brdf_error,
-            format!("{:.2} %", 100.0 * fit.brdf_error),
-            "Lobes against all normals, over the hemisphere, at the material's shininess",
-        ),
-    ];
-    for (name, value, meaning) in rows {
-        ui.horizontal(|ui| {
-            ui.label(RichText::new(name).color(theme::WEAK)).on_hover_text(meaning);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.label(RichText::new(value).monospace().color(theme::STRONG));
-            });
+    ui.horizontal(|ui| {
+        let meaning = "Mean of ln(density) over the normals";
+        ui.label(RichText::new("Mean log-likelihood").color(theme::WEAK)).on_hover_text(meaning);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.label(RichText::new(format!("{:.4}", fit.mean_log_likelihood)).monospace().color(theme::STRONG));
         });
-    }
+    });
 }

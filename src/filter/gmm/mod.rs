@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3};
 use super::channels::ChannelPyramid;
 use super::rival::{Built, Parameter, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
-use super::{Filter, LocalLight, Lookup, PlainMip};
+use super::{EffectiveBrdf, Filter, LocalLight, Lookup, PlainMip};
 use crate::brdf::{Brdf, Material};
 use crate::normal_map::pyramid::Texel;
 
@@ -95,8 +95,9 @@ impl RivalFilter for Gmm {
 }
 
 impl Filter for Gmm {
-    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
-        effective_brdf(&self.mixture(texel).gaussians, brdf, omega)
+    fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
+        let mixture = self.mixture(texel);
+        Box::new(move |omega| effective_brdf(&mixture.gaussians, brdf, omega))
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {

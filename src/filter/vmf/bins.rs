@@ -126,6 +126,11 @@ impl BinnedSamples {
         samples
     }
 
+    /// The cells, padded with empty ones.
+    pub fn slices(&self) -> SampleSlices<'_> {
+        SampleSlices { x: &self.x, y: &self.y, z: &self.z, w: &self.w, spread: &self.spread }
+    }
+
     /// Cells that hold a normal.
     pub fn occupied(&self) -> usize {
         self.w.iter().filter(|&&w| w > 0.0).count()
@@ -145,8 +150,7 @@ impl BinnedSamples {
 impl Samples for BinnedSamples {
     fn sum<S: Partial>(&self, visit: impl Fn(&SampleSlices, &mut S) + Sync) -> S {
         let mut sums = S::default();
-        let all = SampleSlices { x: &self.x, y: &self.y, z: &self.z, w: &self.w, spread: &self.spread };
-        visit(&all, &mut sums);
+        visit(&self.slices(), &mut sums);
         sums
     }
 }

@@ -10,6 +10,7 @@ use super::kernel::SampleSlices;
 use super::lanes::{exp2_of_negative, ln_of_positive};
 use super::samples::Samples;
 use crate::brdf::ConvolutionRule;
+use crate::filter::brdf_error::RelativeL2;
 use crate::sphere::direction;
 use crate::sphere::mixture::EMPTY_WEIGHT;
 use crate::sphere::vmf;
@@ -63,7 +64,6 @@ impl std::ops::AddAssign<&Self> for Values {
 #[derive(Clone, Copy, Debug)]
 pub struct TrueBrdf {
     value: [f32; DIRECTIONS],
-    energy: f64,
 }
 
 impl TrueBrdf {
@@ -74,16 +74,13 @@ impl TrueBrdf {
             return None;
         }
         let scale = (1.0 / sums.total) as f32;
-        let value = sums.value.map(|value| value * scale);
-        let energy = value.iter().map(|&value| f64::from(value) * f64::from(value)).sum();
-        Some(Self { value, energy })
+        Some(Self { value: sums.value.map(|value| value * scale) })
     }
 
     /// The relative L2 error of `lobes`, by the default convolution rule.
     pub fn error(&self, lobes: &TexelLobes) -> f64 {
-        let value = shaded(lobes);
-        let squares: f64 = value.iter().zip(&self.value).map(|(v, t)| f64::from(v - t) * f64::from(v - t)).sum();
-        (squares / self.energy.max(f64::MIN_POSITIVE)).sqrt()
+        let pairs = shaded(lobes).into_iter().zip(self.value);
+        RelativeL2::of(pairs.map(|(value, truth)| (f64::from(value), f64::from(truth))))
     }
 }
 

@@ -4,6 +4,7 @@
 //! between texel centres, the BRDF of the blended lobes with the same blend of the texels' true effective BRDFs
 //! (Han et al. 2007, eq. 4): relative L2 error over the hemisphere, mean over points.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec2, Vec3};
@@ -12,6 +13,7 @@ use rayon::prelude::*;
 use super::pyramid::{LobePyramid, MixtureLevel};
 use super::smooth::neighbour;
 use crate::brdf::{BlinnPhong, Brdf, ConvolutionRule};
+use crate::filter::brdf_error::RelativeL2;
 use crate::filter::sampling::Grid;
 use crate::ndf::Ndf;
 use crate::normal_map::pyramid::Texel;
@@ -75,6 +77,34 @@ pub fn coherence_deg(level: &MixtureLevel, addressing: Addressing) -> f64 {
     let rows: Vec<(f64, f64)> = (0..level.height).into_par_iter().map(row).collect();
     let (angle, weight) = rows.iter().fold((0.0, 0.0), |sum, row| (sum.0 + row.0, sum.1 + row.1));
     if weight > 0.0 { (angle / weight).to_degrees() } else { 0.0 }
+}
+
+/// Mean angle between a texel's lobes and its four neighbours' lobes of the same slots, weighted by both alphas, degrees:
+/// 0 where no neighbour uses a slot that the texel uses, for such lobes cross-fade; `None` where the level is not fitted.
+pub fn texel_coherence_deg(lobes: &LobePyramid, texel: Texel) -> Option<f64> {
+    let own = slots(lobes, texel)?;
+    let (width, height) = lobes.map.level_size(texel.level);
+    let addressing = lobes.map.options.addressing;
+    let mut sums = (0.0, 0.0);
+    for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+        let x = neighbour(texel.x, dx, width, addressing);
+        let (Some(x), Some(y)) = (x, neighbour(texel.y, dy, height, addressing)) else { continue };
+        let (first, theirs) = slots(lobes, Texel { x, y, ..texel })?;
+        for (index, lobe) in own.1.iter().enumerate() {
+            let slot = (own.0 + index).checked_sub(first).and_then(|slot| theirs.get(slot));
+            slot.into_iter().for_each(|other| add_angle(&mut sums, lobe, other));
+        }
+    }
+    Some(if sums.1 > 0.0 { (sums.0 / sums.1).to_degrees() } else { 0.0 })
+}
+
+/// A texel's stored lobes and the slot of the first: all of them, or a base texel's only one.
+fn slots(lobes: &LobePyramid, texel: Texel) -> Option<(usize, Cow<'_, [StoredLobe]>)> {
+    if texel.level > 0 {
+        return Some((0, lobes.level(texel.level)?.texel(texel.x, texel.y).into()));
+    }
+    let index = texel.y * lobes.map.width + texel.x;
+    lobes.base.as_ref().map(|_| (lobes.base_slot(index), vec![lobes.base_lobe(index)].into()))
 }
 
 fn add_angle((angle, weight): &mut (f64, f64), a: &StoredLobe, b: &StoredLobe) {
@@ -143,7 +173,7 @@ impl Interpolation {
                     blended(taps, DIRECTIONS, |texel| &brdfs[index(texel)])
                 }
             };
-            relative_l2(&value, truth)
+            RelativeL2::of(value.into_iter().zip(truth.iter().copied()))
         };
         let errors: Vec<f64> = self.points.par_iter().zip(&self.truth).map(error).collect();
         errors.iter().sum::<f64>() / errors.len() as f64
@@ -220,9 +250,4 @@ fn blended_lobes(lobes: &LobePyramid, taps: &[(Texel, f32)]) -> Vec<StoredLobe> 
             .for_each(|(sum, &lobe)| *sum += weight * glam::Vec4::from(lobe));
     }
     stored.into_iter().map(|lobe| lobe.to_array()).collect()
-}
-
-fn relative_l2(value: &[f64], truth: &[f64]) -> f64 {
-    let squares = value.iter().zip(truth).map(|(v, t)| (v - t) * (v - t)).sum::<f64>();
-    (squares / truth.iter().map(|t| t * t).sum::<f64>().max(f64::MIN_POSITIVE)).sqrt()
 }

@@ -4,7 +4,9 @@ use glam::Vec3;
 
 use super::Fold;
 use super::pyramid::{LobePyramid, MixtureLevel};
+use crate::normal_map::pyramid::Texel;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
+use crate::sphere::{Mixture, StoredLobe};
 
 /// Texels that a level must have to speak for the map; the coarsest such level is asked.
 const ENOUGH_TEXELS: usize = 64;
@@ -40,4 +42,21 @@ fn merge_cost(level: &MixtureLevel, a: usize, b: usize) -> f64 {
             f64::from(alpha_a * alpha_b / (alpha_a + alpha_b) * distance)
         })
         .sum()
+}
+
+/// The lobes of a texel with slots merged; `None` while its level is not fitted.
+pub fn mixture(lobes: &LobePyramid, fold: Fold, texel: Texel) -> Option<Mixture> {
+    let mut folded = [[0.0; 4]; MAX_LOBES];
+    let mut add = |slot: usize, stored: StoredLobe| {
+        let target = &mut folded[usize::from(fold.0[slot])];
+        *target = std::array::from_fn(|i| target[i] + stored[i]);
+    };
+    if texel.level == 0 {
+        let index = texel.y * lobes.map.width + texel.x;
+        add(lobes.base_slot(index), lobes.base_lobe(index));
+    } else {
+        let level = lobes.level(texel.level)?;
+        level.texel(texel.x, texel.y).iter().enumerate().for_each(|(slot, &stored)| add(slot, stored));
+    }
+    Some(Mixture::from_stored(&folded))
 }

@@ -39,14 +39,13 @@ pub mod smooth;
 pub mod trace;
 pub mod unaligned;
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
 
 use super::sampling::{Grid, trilinear};
-use super::{Filter, LocalLight, Lookup, reflect};
-use crate::brdf::{Brdf, ConvolutionRule, DiffuseRule, Material};
+use super::{EffectiveBrdf, Filter, LocalLight, Lookup, reflect};
+use crate::brdf::{Brdf, ConvolutionRule, Convolved, DiffuseRule, Material};
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf;
@@ -169,15 +168,17 @@ impl Slots {
 }
 
 impl Filter for VmfFilter {
-    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
-        let mixture = self.lobes.mixture(texel).unwrap_or_default();
-        let diffuse = |lobe: &Lobe| {
-            lobe.weight * self.rules.diffuse.cosine(lobe.concentration, lobe.mean_direction.dot(omega)) / PI
+    fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
+        let mixture = fold::mixture(&self.lobes, self.fold, texel).unwrap_or_default();
+        let convolved = |lobe: &Lobe| match brdf {
+            Brdf::Lambert => self.rules.diffuse.convolved_with(lobe.concentration),
+            Brdf::BlinnPhong(model) => self.rules.convolution.convolved_with(lobe.concentration, model.shininess),
         };
-        match brdf {
-            Brdf::Lambert => mixture.lobes.iter().map(|(_, lobe)| diffuse(lobe)).sum(),
-            Brdf::BlinnPhong(_) => effective_brdf(&mixture, brdf, omega, self.rules.convolution),
-        }
+        let lobes: Vec<(Lobe, Convolved)> = mixture.lobes.iter().map(|(_, lobe)| (*lobe, convolved(lobe))).collect();
+        let of_lobe = |(lobe, convolved): &(Lobe, Convolved), omega: DVec3| {
+            lobe.weight * convolved.at(lobe.mean_direction.dot(omega))
+        };
+        Box::new(move |omega| lobes.iter().map(|lobe| of_lobe(lobe, omega)).sum())
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
@@ -186,8 +187,8 @@ impl Filter for VmfFilter {
 }
 
 impl Filter for UnalignedVmf {
-    fn effective_brdf(&self, texel: Texel, brdf: Brdf, omega: DVec3) -> f64 {
-        self.0.effective_brdf(texel, brdf, omega)
+    fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
+        self.0.effective_brdf_of(texel, brdf)
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
