@@ -10,7 +10,7 @@ use crate::lighting::DirectionalLight;
 use crate::scene::{Camera, Shape};
 
 /// Everything the picture of the surface depends on, save the map and the method.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct LitSurface {
     /// The shape that wears the map.

@@ -332,7 +332,7 @@ impl Session {
     /// unaligned levels that every alignment starts from.
     pub fn fork(&self, aligns: bool, wake: Wake) -> Self {
         let mut fork = Self::with_opened(OpenedMap { map: Arc::clone(&self.map), fit: None }, wake);
-        (fork.surface, fork.truth_samples) = (self.surface, self.truth_samples);
+        (fork.surface, fork.truth_samples) = (self.surface.clone(), self.truth_samples);
         fork.mip = Arc::clone(self.mip()).into();
         fork.fitting = self.fitting.fork(aligns);
         fork

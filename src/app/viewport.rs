@@ -92,7 +92,7 @@ impl SurfacePaint {
         context: &egui::Context,
     ) -> Self {
         Self {
-            surface: session.surface,
+            surface: session.surface.clone(),
             mip: Arc::clone(session.mip()),
             lobes: Arc::clone(session.lobes()),
             fold: session.fitting().fold(),

@@ -164,7 +164,7 @@ impl CompareCommand {
         let mut points = Vec::new();
         for shininess in or(&self.exponents, session.surface.material.shininess) {
             for distance in or(&self.distances, session.surface.camera.distance) {
-                let mut surface: LitSurface = session.surface;
+                let mut surface: LitSurface = session.surface.clone();
                 (surface.material.shininess, surface.camera.distance) = (shininess, distance);
                 points.push(Point { surface, fit: *session.fit_settings() });
             }

@@ -225,7 +225,7 @@ impl SurfaceFrame {
     fn key(&self, picture: &MethodPicture, input: &FrameInput<'_>) -> Key {
         let method = picture.method;
         // Exposure is put on by the comparison.
-        let mut surface = LitSurface { exposure_stops: 0.0, ..*input.surface };
+        let mut surface = LitSurface { exposure_stops: 0.0, ..input.surface.clone() };
         let mut fold = input.fold;
         if !method.shows_lobes() {
             fold = Fold::default();

@@ -35,7 +35,7 @@ pub struct MeasureSettings {
 }
 
 /// What is measured: a surface and a fit of the session's map.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     /// The surface.
     pub surface: LitSurface,
@@ -139,7 +139,7 @@ impl<'a> Measurer<'a> {
         }
         let temporal_change = dolly::mean_change(&truth, &truth);
         let reference = Reference { samples_per_pixel: samples, standard_error, temporal_change };
-        self.views.push(View { surface: *surface, truth, reference, milliseconds });
+        self.views.push(View { surface: surface.clone(), truth, reference, milliseconds });
         Ok(self.views.len() - 1)
     }
 
@@ -167,7 +167,7 @@ impl<'a> Measurer<'a> {
         view: usize,
         follower: &dyn Follower,
     ) -> Result<Found, MeasureError> {
-        let surface = self.views[view].surface;
+        let surface = self.views[view].surface.clone();
         let mut frames = Vec::new();
         let mut milliseconds = None;
         if choice.method != Method::Truth {
@@ -199,7 +199,7 @@ impl<'a> Measurer<'a> {
     fn dolly(&self, surface: &LitSurface) -> Vec<LitSurface> {
         let distances = dolly::distances(surface.camera.distance, self.settings.dolly_frames).skip(1);
         let at = |distance| {
-            let mut surface = *surface;
+            let mut surface = surface.clone();
             surface.camera.distance = distance;
             surface
         };

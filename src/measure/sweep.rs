@@ -80,7 +80,7 @@ impl Axis {
 
     /// `base` with this value of the quantity.
     pub fn point(self, base: &Point, value: f32) -> Point {
-        let mut point = *base;
+        let mut point = base.clone();
         match self {
             Self::Distance => point.surface.camera.distance = value,
             Self::Shininess => point.surface.material.shininess = value,

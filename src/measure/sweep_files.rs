@@ -48,7 +48,7 @@ pub fn json(run: &SweepRun) -> Result<String, serde_json::Error> {
         axis: run.sweep().axis.name(),
         map: run.map(),
         fit: run.base().fit,
-        surface: run.base().surface,
+        surface: run.base().surface.clone(),
         size: run.sweep().settings.size,
         cells: cells(run).collect(),
     })

@@ -164,7 +164,7 @@ impl SweepRun {
 }
 
 fn base(session: &Session) -> Point {
-    Point { surface: session.surface, fit: *session.fit_settings() }
+    Point { surface: session.surface.clone(), fit: *session.fit_settings() }
 }
 
 /// Tells the owner of a job.

@@ -107,7 +107,7 @@ impl Session {
             }),
             map_options: self.map.options.clone(),
             fit: *self.fit_settings(),
-            surface: self.surface,
+            surface: self.surface.clone(),
             comparison: self.comparison,
             selected: Some(self.selected),
             truth_samples: Some(self.truth_samples),
@@ -117,7 +117,7 @@ impl Session {
 
     /// Takes everything but the map from a file's contents, before the first fit starts.
     pub fn apply(&mut self, file: &SessionFile) {
-        self.surface = file.surface;
+        self.surface = file.surface.clone();
         self.comparison = file.comparison;
         self.truth_samples = file.truth_samples.unwrap_or(self.truth_samples);
         if let Some(texel) = file.selected {

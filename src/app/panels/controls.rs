@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         rule(ui);
         heading(ui, "Fit");
         fit(ui, context);
-        let mut surface = context.session.surface;
+        let mut surface = context.session.surface.clone();
         rule(ui);
         heading(ui, "Material");
         material(ui, &mut surface);

@@ -93,7 +93,7 @@ fn combo(ui: &mut Ui, name: &str, method: &mut Method) {
 
 /// Drag orbits, L + drag or right drag moves the light, the wheel dollies.
 fn steer(ui: &Ui, context: &mut PanelContext<'_>, response: &Response) {
-    let mut surface = context.session.surface;
+    let mut surface = context.session.surface.clone();
     let delta = response.drag_delta();
     let light_key = ui.input(|input| input.key_down(egui::Key::L));
     let moves_light =

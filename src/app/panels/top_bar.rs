@@ -67,7 +67,7 @@ fn view_menu(ui: &mut Ui, context: &mut PanelContext<'_>) {
     }
     if ui.button("Reset camera").clicked() {
         let camera = crate::scene::Camera::default();
-        context.push(Command::SetSurface(crate::lit_surface::LitSurface { camera, ..context.session.surface }));
+        context.push(Command::SetSurface(crate::lit_surface::LitSurface { camera, ..context.session.surface.clone() }));
     }
 }
 

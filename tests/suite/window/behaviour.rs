@@ -223,13 +223,13 @@ fn a_click_on_the_surface_selects_the_texel_shaded_there_and_a_click_beside_it_n
 #[test]
 fn dragging_orbits_and_dragging_with_the_right_button_moves_the_light() {
     let mut window = window(fitted("pyramid5", 64));
-    let before = window.state().inspector.session.surface;
+    let before = window.state().inspector.session.surface.clone();
     let at = window.get_by_label("Surface view").rect().center() + vec2(60.0, 40.0);
     drag(&mut window, at, vec2(50.0, 0.0), PointerButton::Primary);
-    let orbited = window.state().inspector.session.surface;
+    let orbited = window.state().inspector.session.surface.clone();
     assert!(orbited.camera != before.camera && orbited.light == before.light);
     drag(&mut window, at, vec2(50.0, 0.0), PointerButton::Secondary);
-    let lit = window.state().inspector.session.surface;
+    let lit = window.state().inspector.session.surface.clone();
     assert!(lit.camera == orbited.camera && lit.light != orbited.light);
 }
 
