@@ -206,6 +206,33 @@ mod tests {
         assert!((error - 0.95).abs() < 0.03, "{error}");
     }
 
+    /// Of these pictures the authors' own program (flip-evaluator 1.7, single precision) finds the same.
+    #[test]
+    fn errors_are_those_of_the_authors_program() {
+        let size = [64, 48];
+        let drawn = |color: &dyn Fn(u32, u32) -> Vec3| {
+            let rgb = (0..48).flat_map(|y| (0..64).map(move |x| (x, y))).map(|(x, y)| color(x, y)).collect();
+            Picture { size, rgb, covered: vec![true; 64 * 48] }
+        };
+        let checks = |x: u32, y: u32| if (x / 8 + y / 8).is_multiple_of(2) { 0.25 } else { 0.75 };
+        let reference = |x: u32, y: u32| Vec3::new(x as f32 / 64.0, y as f32 / 48.0, checks(x, y));
+        let other = |x: u32, y: u32| {
+            if (10..20).contains(&y) && (10..30).contains(&x) {
+                return Vec3::splat(0.9);
+            }
+            let [r, g, b] = reference(x, y).to_array();
+            Vec3::new(0.8 * r, if y == 30 { 0.1 } else { g }, b)
+        };
+        let (picture, truth) = (drawn(&other), drawn(&reference));
+        let errors = flip_map(&picture, &truth, PIXELS_PER_DEGREE).expect("one size");
+        let mean = mean_flip(&errors, &truth).expect("seen");
+        assert!((mean - 0.313_857).abs() < 1e-5, "{mean}");
+        for (x, y, published) in [(0, 0, 0.019_325), (15, 15, 0.909_775), (40, 30, 0.570_159), (20, 9, 0.830_741)] {
+            let error = errors[y * 64 + x];
+            assert!((error - published).abs() < 2e-5, "({x}, {y}): {error} {published}");
+        }
+    }
+
     #[test]
     fn a_larger_difference_is_a_larger_error() {
         let errors = [0.02_f32, 0.1, 0.3].map(|more| flip(&picture(|x, y| wave(x, y) * (1.0 - more)), &picture(wave)));
