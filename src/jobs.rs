@@ -3,6 +3,8 @@
 //! A job sends events to its owner and wakes the window for each. A panic inside a job becomes an event with the
 //! panic's message; the owner and the window live on.
 
+pub mod following;
+
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use egui::{CentralPanel, Frame, Margin, Panel};
 
+use super::brdf_report::BrdfReport;
 use super::command::Command;
 use super::figures_report::FiguresReport;
 use super::map_picture::MapTextures;
@@ -39,6 +40,7 @@ pub struct Inspector {
     pub view: ViewState,
     surroundings: Surroundings,
     report: TexelReport,
+    brdf: BrdfReport,
     trace: TraceReport,
     figures: FiguresReport,
     textures: MapTextures,
@@ -63,6 +65,7 @@ impl Inspector {
             figures: FiguresReport::new(surroundings.gpu.clone(), wake_of(ctx)),
             surroundings,
             report: TexelReport::default(),
+            brdf: BrdfReport::default(),
             trace: TraceReport::default(),
             textures: MapTextures::default(),
             messages: Vec::new(),
@@ -78,6 +81,7 @@ impl Inspector {
         self.figures.poll(&mut self.messages);
         self.messages.extend(self.session.take_messages());
         self.report.update(&self.session, &self.wake);
+        self.brdf.update(&self.session, &self.wake);
         self.trace.update(&self.session, self.view.show_trace, &self.wake);
         if self.surroundings.live && self.session.fitting().is_running() {
             // Jobs wake the window for each level; the bars in between move ten times a second.
@@ -91,7 +95,8 @@ impl Inspector {
         let fitting = session.fitting();
         let computing = fitting.is_running() || fitting.is_measuring() || session.is_building();
         let computing = computing || self.figures.is_running() || self.figures.is_saving();
-        let busy = computing || session.is_opening() || self.report.is_gathering() || self.trace.is_running();
+        let gathering = self.report.is_gathering() || self.brdf.is_running() || self.trace.is_running();
+        let busy = computing || gathering || session.is_opening();
         !busy && !self.surroundings.target.status.get().wants_more
     }
 
@@ -104,6 +109,7 @@ impl Inspector {
             view: &mut self.view,
             commands: &mut commands,
             report: &self.report,
+            brdf: &self.brdf,
             trace: &self.trace,
             figures: &self.figures,
             textures: &mut self.textures,

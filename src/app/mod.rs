@@ -8,6 +8,7 @@
 //! | `command` | everything a panel can ask for, and the one `match` that carries it out |
 //! | `view_state` | what of the view is worth saving: panels, zoom, orbit, toggles |
 //! | `texel_report` | what the selected texel holds, gathered once per change |
+//! | `brdf_report` | its effective BRDF, worked out in the background |
 //! | `trace_report` | how the selected texel's fit went, on demand |
 //! | `figures_report` | the sweeps of the open map, measured and saved in the background |
 //! | `figures_plot`, `figures_file` | a sweep as a plot; as CSV, JSON or PNG |
@@ -17,6 +18,7 @@
 //! | `theme` | colours, spacing, type |
 //! | `panels/` | one file per panel: reads state, pushes commands |
 
+pub mod brdf_report;
 pub mod command;
 pub mod figures_file;
 pub mod figures_plot;

@@ -101,7 +101,7 @@ fn lobe_row(ui: &Ui, rect: Rect, slot: usize, lobe: &Lobe, color: Option<&Vec3>)
     let (theta, phi) = polar_deg(lobe.mean_direction.as_vec3());
     let width = lobe.concentration.sqrt().recip().to_degrees().min(180.0);
     let texts = [
-        format!("{:.3}", lobe.weight),
+        alpha_text(lobe.weight),
         format!("{theta:.1}°"),
         format!("{phi:.1}°"),
         kappa_text(lobe.concentration),
@@ -113,11 +113,26 @@ fn lobe_row(ui: &Ui, rect: Rect, slot: usize, lobe: &Lobe, color: Option<&Vec3>)
     }
 }
 
+/// Three decimals; a lobe that they would show as nothing is written by its power of ten.
+fn alpha_text(alpha: f64) -> String {
+    if alpha < 0.0005 { format!("{alpha:.0e}") } else { format!("{alpha:.3}") }
+}
+
 fn kappa_text(kappa: f64) -> String {
     match kappa {
         k if k >= 1e6 => "delta".to_owned(),
         k if k >= 1000.0 => format!("{k:.0}"),
         k if k >= 10.0 => format!("{k:.1}"),
         k => format!("{k:.2}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_lobe_in_use_is_shown_with_a_weight_of_nothing() {
+        assert_eq!([1.0, 0.4264, 0.0005, 0.000_499, 3e-7].map(alpha_text), ["1.000", "0.426", "0.001", "5e-4", "3e-7"]);
     }
 }

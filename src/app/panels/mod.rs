@@ -14,6 +14,7 @@ pub mod trace_plot;
 
 use egui::{Response, RichText, Ui};
 
+use super::brdf_report::BrdfReport;
 use super::figures_report::FiguresReport;
 use super::inspector::Surroundings;
 use super::map_picture::MapTextures;
@@ -32,6 +33,8 @@ pub struct PanelContext<'a> {
     pub commands: &'a mut Vec<Command>,
     /// The selected texel.
     pub report: &'a TexelReport,
+    /// Its effective BRDF.
+    pub brdf: &'a BrdfReport,
     /// How its fit went.
     pub trace: &'a TraceReport,
     /// What was measured.

@@ -11,6 +11,9 @@ use crate::gpu::passes::sphere::{FILL, LOG_DECADES};
 use crate::scene::SphereOrbit;
 use crate::sphere::direction::polar_deg;
 
+const BRDF_ERROR: &str = "How far the lobes' effective BRDF m is from the truth t of all normals, over the hemisphere of \
+                          half vectors: sqrt(int (m - t)^2 / int t^2)";
+
 /// Shows the panel.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -168,11 +171,23 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>) {
     };
     lobe_table::show(ui, fit);
     ui.add_space(theme::GRID);
+    let log_likelihood = format!("{:.4}", fit.mean_log_likelihood);
+    figure(ui, "Mean log-likelihood", &log_likelihood, "Mean of ln(density) over the normals");
+    ui.scope(|ui| {
+        // What was found of another texel or material stays until the new figure is there, but not as if it held.
+        ui.set_opacity(if context.brdf.is_running() { 0.5 } else { 1.0 });
+        let name = format!("Effective BRDF error at s = {:.0}", context.session.surface.material.shininess);
+        let error = context.brdf.error().map_or("–".to_owned(), |error| format!("{:.2} %", 100.0 * error));
+        figure(ui, &name, &error, BRDF_ERROR);
+    });
+}
+
+/// What a texel's fit comes to, in one number.
+fn figure(ui: &mut Ui, name: &str, value: &str, meaning: &str) {
     ui.horizontal(|ui| {
-        let meaning = "Mean of ln(density) over the normals";
-        ui.label(RichText::new("Mean log-likelihood").color(theme::WEAK)).on_hover_text(meaning);
+        ui.label(RichText::new(name).color(theme::WEAK)).on_hover_text(meaning);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(format!("{:.4}", fit.mean_log_likelihood)).monospace().color(theme::STRONG));
+            ui.label(RichText::new(value).monospace().color(theme::STRONG));
         });
     });
 }

@@ -2,6 +2,7 @@
 
 mod behaviour;
 mod pictures;
+mod texels;
 
 use std::sync::Arc;
 use std::time::Duration;
