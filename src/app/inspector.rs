@@ -83,6 +83,7 @@ impl Inspector {
         self.report.update(&self.session, &self.wake);
         self.brdf.update(&self.session, &self.wake);
         self.trace.update(&self.session, self.view.show_trace, &self.wake);
+        self.view.light.sweep(&mut self.session.surface.lights, ctx);
         if self.surroundings.live && self.session.fitting().is_running() {
             // Jobs wake the window for each level; the bars in between move ten times a second.
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
@@ -96,7 +97,7 @@ impl Inspector {
         let computing = fitting.is_running() || fitting.is_measuring() || session.is_building();
         let computing = computing || self.figures.is_running() || self.figures.is_saving();
         let gathering = self.report.is_gathering() || self.brdf.is_running() || self.trace.is_running();
-        let busy = computing || gathering || session.is_opening();
+        let busy = computing || gathering || session.is_opening() || self.view.light.is_sweeping;
         !busy && !self.surroundings.target.status.get().wants_more
     }
 

@@ -7,6 +7,7 @@
 //! | `inspector` | one frame: jobs' news, panels, commands; the same in the window, headless and in tests |
 //! | `command` | everything a panel can ask for, and the one `match` that carries it out |
 //! | `view_state` | what of the view is worth saving: panels, zoom, orbit, toggles |
+//! | `light_view` | which light is selected, and its sweep |
 //! | `texel_report` | what the selected texel holds, gathered once per change |
 //! | `brdf_report` | its effective BRDF, worked out in the background |
 //! | `trace_report` | how the selected texel's fit went, on demand |
@@ -24,6 +25,7 @@ pub mod figures_file;
 pub mod figures_plot;
 pub mod figures_report;
 pub mod inspector;
+pub mod light_view;
 pub mod map_picture;
 pub mod panels;
 pub mod parameter;

@@ -132,6 +132,7 @@ impl Session {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lighting::Light;
 
     #[test]
     fn a_session_file_keeps_what_it_does_not_know_and_defaults_what_it_lacks() {
@@ -141,5 +142,16 @@ mod tests {
         assert_eq!(file.fit.iterations, FitSettings::default().iterations);
         assert_eq!(file.surface, LitSurface::default());
         assert!(serde_json::to_string(&file).expect("serialises").contains(r#""future":{"x":1}"#));
+    }
+
+    #[test]
+    fn a_session_of_one_light_is_read_as_before() {
+        let text = r#"{"surface": {"light": {"azimuth_deg": 12.0, "elevation_deg": 30.0, "intensity": 2.0}}}"#;
+        let file: SessionFile = serde_json::from_str(text).expect("valid JSON");
+        let light = Light { azimuth_deg: 12.0, elevation_deg: 30.0, intensity: 2.0, ..Light::DEFAULT };
+        assert_eq!(file.surface.lights, light.into());
+        let written = serde_json::to_value(&file).expect("serialises");
+        assert_eq!(written["surface"]["lights"][0]["azimuth_deg"], 12.0);
+        assert!(written["surface"].get("light").is_none() && written["other"].is_null());
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod controls;
 pub mod figures_panel;
+pub mod light_dome;
 pub mod lobe_table;
 pub mod map_panel;
 pub mod sphere_panel;
