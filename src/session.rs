@@ -11,7 +11,10 @@ pub mod kept;
 pub mod opening;
 pub mod recent;
 pub mod rivals;
+pub mod saving;
+mod unknown_keys;
 
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
@@ -75,6 +78,13 @@ pub struct Session {
     opening: Opening,
     rivals: rivals::Rivals,
     recent: recent::RecentFiles,
+    saving: saving::Saving,
+    /// The session file that is open.
+    path: Option<PathBuf>,
+    /// Its keys that this version does not know.
+    unknown: serde_json::Map<String, serde_json::Value>,
+    /// Its layout of the window, until the window takes it.
+    view: Option<serde_json::Value>,
     messages: Vec<Message>,
     map_revision: u64,
     wake: Wake,
@@ -110,6 +120,10 @@ impl Session {
             opening: Opening::default(),
             rivals: rivals::Rivals::default(),
             recent: recent::RecentFiles::default(),
+            saving: saving::Saving::default(),
+            path: None,
+            unknown: serde_json::Map::new(),
+            view: None,
             messages: Vec::new(),
             map_revision: 1,
             map,
@@ -331,7 +345,7 @@ impl Session {
     /// that is done to it shows here. It keeps no fit but the latest; where it `aligns` anew, it remembers the
     /// unaligned levels that every alignment starts from.
     pub fn fork(&self, aligns: bool, wake: Wake) -> Self {
-        let mut fork = Self::with_opened(OpenedMap { map: Arc::clone(&self.map), fit: None }, wake);
+        let mut fork = Self::with_opened(OpenedMap::from(Arc::clone(&self.map)), wake);
         (fork.surface, fork.truth_samples) = (self.surface.clone(), self.truth_samples);
         fork.mip = Arc::clone(self.mip()).into();
         fork.fitting = self.fitting.fork(aligns);
@@ -343,6 +357,7 @@ impl Session {
         let (news, refused) = self.opening.poll();
         let mut messages = Vec::new();
         let mut changed = news.is_some() || refused.is_some();
+        changed |= self.poll_saving();
         self.messages.extend(refused);
         if let Some((opened, mip)) = news {
             self.adopt(opened, mip);
@@ -357,23 +372,43 @@ impl Session {
         changed
     }
 
-    /// Takes a map that was read, and its fit or a new one.
+    /// Takes a map that was read, its fit or a new one, and the settings of its session file.
     fn adopt(&mut self, opened: OpenedMap, mip: Arc<PlainMip>) {
-        let OpenedMap { map, fit } = opened;
-        if let MapSource::File(path) = &map.source
-            && let Err(error) = self.recent.push(path)
-        {
-            log::warn!("{error}");
+        let OpenedMap { map, fit, session } = opened;
+        self.remember(&map, session.as_deref());
+        if map.level_sizes() != self.map.level_sizes() {
+            self.selected = default_selection(&map);
         }
-        self.selected =
-            if map.level_sizes() == self.map.level_sizes() { self.selected } else { default_selection(&map) };
         (self.map, self.mip) = (map, mip.into());
         self.map_revision += 1;
-        if let Some(fit) = fit {
-            self.fitting.adopt_fit(fit);
-        } else {
-            self.fitting.adopt(Arc::clone(&self.map));
-            self.start_fit();
+        let settings = session.as_ref().map(|file| file.fit);
+        if let Some(file) = session {
+            self.adopt_file(*file);
+        }
+        match (fit, settings) {
+            (Some(fit), settings) if settings.is_none_or(|settings| settings == fit.settings) => {
+                self.fitting.adopt_fit(fit);
+            }
+            (_, settings) => {
+                self.fitting.adopt(Arc::clone(&self.map));
+                self.fitting.restart(settings.unwrap_or(*self.fitting.settings()));
+                self.start_fit();
+            }
+        }
+    }
+
+    /// Remembers what was opened; another map belongs to no session file yet.
+    fn remember(&mut self, map: &NormalMap, session: Option<&file::SessionFile>) {
+        if session.is_none() && map.source != self.map.source {
+            self.path = None;
+        }
+        let map_path = match &map.source {
+            MapSource::File(path) => Some(path),
+            MapSource::Bundled(_) => None,
+        };
+        let path = session.and_then(|file| file.path.as_ref()).or(map_path).cloned();
+        if let Some(Err(error)) = path.map(|path| self.recent.push(&path)) {
+            log::warn!("{error}");
         }
     }
 }

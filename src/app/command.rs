@@ -4,13 +4,31 @@ use std::path::PathBuf;
 
 use super::figures_file::Target;
 use super::figures_report::FiguresReport;
+use super::history::History;
+use super::view_state::Overlay;
+use super::{ViewState, document};
 use crate::comparison::Comparison;
 use crate::filter::vmf::FitSettings;
 use crate::lit_surface::LitSurface;
 use crate::measure::{Axis, Metric, Sweep};
 use crate::normal_map::MapOptions;
 use crate::normal_map::pyramid::Texel;
+use crate::session::file::SessionFile;
 use crate::session::{MapRequest, Message, Session};
+
+/// What commands work on.
+pub struct Desk<'a> {
+    /// The document.
+    pub session: &'a mut Session,
+    /// The view of it.
+    pub view: &'a mut ViewState,
+    /// What was measured of it.
+    pub figures: &'a mut FiguresReport,
+    /// What it was before.
+    pub history: &'a mut History,
+    /// The window.
+    pub ctx: &'a egui::Context,
+}
 
 /// One request.
 #[derive(Clone, Debug)]
@@ -43,13 +61,28 @@ pub enum Command {
     CancelFigures,
     /// Save the figures along an axis; a picture shows the metric.
     SaveFigures(Axis, Metric, Target),
+    /// Change what is seen, and nothing else.
+    ChangeView(fn(&mut ViewState)),
+    /// Go one step back.
+    Undo,
+    /// Go one step forth again.
+    Redo,
+    /// Save the session to a file.
+    SaveSession(PathBuf),
+    /// Ask in the system's dialog where the session is saved to.
+    SaveSessionDialog,
+    /// Ask in the window where the session is saved to.
+    AskSessionPath,
+    /// Close the window.
+    Quit,
     /// Tell the user something.
     Report(Message),
 }
 
 impl Command {
     /// Carries the request out.
-    pub fn run(self, session: &mut Session, figures: &mut FiguresReport) {
+    pub fn run(self, desk: Desk<'_>) {
+        let Desk { session, view, figures, history, ctx } = desk;
         match self {
             Self::Open(request) => session.open(request),
             Self::OpenDialog => session.open_dialog(),
@@ -68,8 +101,33 @@ impl Command {
             Self::MeasureFigures(sweep) => tell(figures.start(session, sweep), session),
             Self::CancelFigures => figures.cancel(),
             Self::SaveFigures(axis, metric, target) => tell(figures.save(axis, metric, target), session),
+            Self::ChangeView(change) => change(view),
+            Self::Undo => step(History::undo, session, view, history),
+            Self::Redo => step(History::redo, session, view, history),
+            Self::SaveSession(path) => session.save(document::contents(session, view), path),
+            Self::SaveSessionDialog => session.save_dialog(document::contents(session, view)),
+            Self::AskSessionPath => {
+                view.session_path = session.suggested_path().display().to_string();
+                view.overlay = Overlay::SaveSession;
+            }
+            Self::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Self::Report(message) => session.report(message),
         }
+    }
+}
+
+/// Undoes or redoes, once what changed last is taken note of.
+fn step(
+    take: fn(&mut History) -> Option<SessionFile>,
+    session: &mut Session,
+    view: &mut ViewState,
+    history: &mut History,
+) {
+    if !session.is_opening() {
+        history.record(document::contents(session, view));
+    }
+    if let Some(file) = take(history) {
+        document::restore(file, session, view);
     }
 }
 

@@ -5,17 +5,21 @@ use std::sync::Arc;
 
 use egui::{CentralPanel, Frame, Margin, Panel};
 
+use super::actions::{self, Facts};
 use super::brdf_report::BrdfReport;
-use super::command::Command;
+use super::command::{Command, Desk};
+use super::document;
 use super::figures_report::FiguresReport;
+use super::history::History;
 use super::map_picture::MapTextures;
 use super::panels::{
-    PanelContext, controls, figures_panel, map_panel, sphere_panel, status_bar, surface_panel, toasts, top_bar,
+    PanelContext, controls, figures_panel, key_list, map_panel, palette, save_session, sphere_panel, status_bar,
+    surface_panel, toasts, top_bar,
 };
 use super::texel_report::TexelReport;
 use super::theme;
 use super::trace_report::TraceReport;
-use super::view_state::{Layout, ViewState};
+use super::view_state::{Layout, Overlay, ViewState};
 use super::viewport::PaintTarget;
 use crate::gpu::Gpu;
 use crate::jobs::Wake;
@@ -43,6 +47,7 @@ pub struct Inspector {
     brdf: BrdfReport,
     trace: TraceReport,
     figures: FiguresReport,
+    history: History,
     textures: MapTextures,
     messages: Vec<Message>,
     hover: Option<String>,
@@ -63,6 +68,7 @@ impl Inspector {
             session,
             view: ViewState::default(),
             figures: FiguresReport::new(surroundings.gpu.clone(), wake_of(ctx)),
+            history: History::default(),
             surroundings,
             report: TexelReport::default(),
             brdf: BrdfReport::default(),
@@ -79,11 +85,12 @@ impl Inspector {
         self.open_dropped(ctx);
         self.session.poll();
         self.figures.poll(&mut self.messages);
+        self.take_opened_view();
         self.messages.extend(self.session.take_messages());
+        self.record(ctx);
         self.report.update(&self.session, &self.wake);
         self.brdf.update(&self.session, &self.wake);
         self.trace.update(&self.session, self.view.show_trace, &self.wake);
-        self.view.light.sweep(&mut self.session.surface.lights, ctx);
         if self.surroundings.live && self.session.fitting().is_running() {
             // Jobs wake the window for each level; the bars in between move ten times a second.
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
@@ -95,15 +102,15 @@ impl Inspector {
         let session = &self.session;
         let fitting = session.fitting();
         let computing = fitting.is_running() || fitting.is_measuring() || session.is_building();
-        let computing = computing || self.figures.is_running() || self.figures.is_saving();
+        let computing = computing || session.is_saving() || self.figures.is_running() || self.figures.is_saving();
         let gathering = self.report.is_gathering() || self.brdf.is_running() || self.trace.is_running();
-        let busy = computing || gathering || session.is_opening() || self.view.light.is_sweeping;
+        let busy = computing || gathering || session.is_opening();
         !busy && !self.surroundings.target.status.get().wants_more
     }
 
     /// The panels. Runs what they asked for at the end; the next frame shows it.
     pub fn ui(&mut self, ui: &mut egui::Ui) {
-        let mut commands = Vec::new();
+        let mut commands = actions::pressed(ui.ctx(), &self.facts());
         let mut hover = None;
         let mut context = PanelContext {
             session: &self.session,
@@ -113,18 +120,48 @@ impl Inspector {
             brdf: &self.brdf,
             trace: &self.trace,
             figures: &self.figures,
+            history: &self.history,
             textures: &mut self.textures,
             surroundings: &self.surroundings,
             hover: &mut hover,
         };
         lay_out(ui, &mut context, self.hover.as_deref());
+        lay_over(ui.ctx(), &mut context);
         commands.extend(toasts::show(ui.ctx(), &mut self.messages).map(Command::Open));
         if hover != self.hover || !commands.is_empty() {
             ui.ctx().request_repaint();
         }
         self.hover = hover;
         for command in commands {
-            command.run(&mut self.session, &mut self.figures);
+            self.run(command, ui.ctx());
+        }
+    }
+
+    /// What actions look at.
+    pub fn facts(&self) -> Facts<'_> {
+        Facts { session: &self.session, view: &self.view, history: &self.history }
+    }
+
+    /// Carries a command out.
+    pub fn run(&mut self, command: Command, ctx: &egui::Context) {
+        let Self { session, view, figures, history, .. } = self;
+        command.run(Desk { session, view, figures, history, ctx });
+    }
+
+    /// Takes the layout of a session that was opened.
+    fn take_opened_view(&mut self) {
+        if let Some(value) = self.session.take_view() {
+            document::take_view(value, &mut self.session, &mut self.view);
+        }
+    }
+
+    /// Takes note of the document, unless something is held or still moves: a drag is one step.
+    fn record(&mut self, ctx: &egui::Context) {
+        let moves = ctx.input(|input| {
+            input.pointer.any_down() || !input.keys_down.is_empty() || input.smooth_scroll_delta() != egui::Vec2::ZERO
+        });
+        if !moves && !self.session.is_opening() {
+            self.history.record(document::contents(&self.session, &self.view));
         }
     }
 
@@ -153,6 +190,15 @@ impl Inspector {
 fn name_edge(ui: &egui::Ui, panel: &str, name: &str) {
     let edge = ui.scope_id().with_salt(egui::IdSalt::new(panel)).with("__resize");
     ui.ctx().accesskit_node_builder(edge, |node| node.set_label(name));
+}
+
+fn lay_over(ctx: &egui::Context, context: &mut PanelContext<'_>) {
+    match context.view.overlay {
+        Overlay::None => {}
+        Overlay::Palette => palette::show(ctx, context),
+        Overlay::Keys => key_list::show(ctx, context),
+        Overlay::SaveSession => save_session::show(ctx, context),
+    }
 }
 
 fn lay_out(ui: &mut egui::Ui, context: &mut PanelContext<'_>, hover: Option<&str>) {

@@ -5,9 +5,11 @@
 //! | --- | --- |
 //! | `window` | the native window: adapter, event loop, what is said where there is no display |
 //! | `inspector` | one frame: jobs' news, panels, commands; the same in the window, headless and in tests |
+//! | `actions/` | everything the user may do by name: what menus, keys, palette and scripts read |
 //! | `command` | everything a panel can ask for, and the one `match` that carries it out |
 //! | `view_state` | what of the view is worth saving: panels, zoom, orbit, toggles |
-//! | `light_view` | which light is selected, and its sweep |
+//! | `document` | session and view as a session file has them |
+//! | `history` | undo and redo |
 //! | `texel_report` | what the selected texel holds, gathered once per change |
 //! | `brdf_report` | its effective BRDF, worked out in the background |
 //! | `trace_report` | how the selected texel's fit went, on demand |
@@ -19,13 +21,15 @@
 //! | `theme` | colours, spacing, type |
 //! | `panels/` | one file per panel: reads state, pushes commands |
 
+pub mod actions;
 pub mod brdf_report;
 pub mod command;
+pub mod document;
 pub mod figures_file;
 pub mod figures_plot;
 pub mod figures_report;
+pub mod history;
 pub mod inspector;
-pub mod light_view;
 pub mod map_picture;
 pub mod panels;
 pub mod parameter;

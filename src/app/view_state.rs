@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::light_view::LightView;
 use crate::filter::{Method, Rival};
 use crate::gpu::passes::sphere::SphereLayers;
 use crate::measure::{Axis, Metric};
@@ -95,6 +94,29 @@ impl Default for FiguresView {
     }
 }
 
+/// What lies over the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Overlay {
+    /// Nothing.
+    #[default]
+    None,
+    /// The search for an action.
+    Palette,
+    /// Keys and gestures.
+    Keys,
+    /// The question where the session is saved to.
+    SaveSession,
+}
+
+/// The search for an action.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PaletteView {
+    /// What was typed.
+    pub text: String,
+    /// Which of the actions found Enter takes.
+    pub chosen: usize,
+}
+
 /// The whole view.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -105,8 +127,6 @@ pub struct ViewState {
     pub map: MapView,
     /// The figures.
     pub figures: FiguresView,
-    /// The lights.
-    pub light: LightView,
     /// How the sphere is turned.
     pub sphere_orbit: SphereOrbit,
     /// What the sphere shows.
@@ -118,4 +138,13 @@ pub struct ViewState {
     /// The path that is being typed.
     #[serde(skip)]
     pub typed_path: String,
+    /// The path of a session that is being typed.
+    #[serde(skip)]
+    pub session_path: String,
+    /// What lies over the window.
+    #[serde(skip)]
+    pub overlay: Overlay,
+    /// The search for an action.
+    #[serde(skip)]
+    pub palette: PaletteView,
 }

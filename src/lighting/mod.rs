@@ -1,7 +1,5 @@
 //! Lights.
 
-pub mod light;
-pub mod lights;
+pub mod directional;
 
-pub use light::{Light, ParseLightError};
-pub use lights::{Lights, MAX_LIGHTS};
+pub use directional::DirectionalLight;

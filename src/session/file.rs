@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::{MapRequest, Session};
+use super::{MapRequest, Message, Session, unknown_keys};
 use crate::comparison::Comparison;
 use crate::filter::vmf::FitSettings;
+use crate::image_io::{WriteImageError, write_bytes_atomically};
 use crate::lit_surface::LitSurface;
 use crate::normal_map::pyramid::Texel;
 use crate::normal_map::{MapOptions, MapSource};
@@ -42,12 +43,18 @@ pub struct SessionFile {
     pub selected: Option<Texel>,
     /// Samples per pixel of the truth.
     pub truth_samples: Option<u32>,
-    /// Keys of other versions and of the window's layout, kept as they are.
-    #[serde(flatten)]
-    pub other: Map<String, Value>,
+    /// The window's layout, as the window has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view: Option<Value>,
+    /// Keys of other versions, at every depth, kept as they are.
+    #[serde(skip)]
+    pub unknown: Map<String, Value>,
+    /// Where it was read from.
+    #[serde(skip)]
+    pub path: Option<PathBuf>,
 }
 
-/// Why a session file could not be read.
+/// Why a session file could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionFileError {
     /// The file could not be read at all.
@@ -66,9 +73,20 @@ pub enum SessionFileError {
         /// What and where.
         cause: serde_json::Error,
     },
+    /// The file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteImageError),
 }
 
 impl SessionFile {
+    /// The ending of session files that the window writes.
+    pub const ENDING: &str = ".ndfi.json";
+
+    /// True for a file that can only be a session: no map ends in `.json`.
+    pub fn is_named_by(path: &Path) -> bool {
+        path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
+    }
+
     /// Reads a session file and makes the paths of the map and of its colour absolute.
     ///
     /// # Errors
@@ -76,15 +94,65 @@ impl SessionFile {
     pub fn read(path: &Path) -> Result<Self, SessionFileError> {
         let name = || path.display().to_string();
         let bytes = std::fs::read(path).map_err(|cause| SessionFileError::Read { path: name(), cause })?;
-        let mut file: Self =
-            serde_json::from_slice(&bytes).map_err(|cause| SessionFileError::Parse { path: name(), cause })?;
-        if let (Some(MapReference::Path(map)), Some(folder)) = (&mut file.map, path.parent()) {
-            *map = folder.join(&*map);
+        let mut file = Self::parse(&name(), &bytes)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        file.for_each_path(|path| *path = folder.join(&*path));
+        Ok(Self { path: Some(path.to_owned()), ..file })
+    }
+
+    /// Reads the contents of a session file of this name; paths are left as they are.
+    ///
+    /// # Errors
+    /// A sentence that names the file and the cause.
+    pub fn parse(name: &str, bytes: &[u8]) -> Result<Self, SessionFileError> {
+        let error = |cause| SessionFileError::Parse { path: name.to_owned(), cause };
+        let all: Value = serde_json::from_slice(bytes).map_err(error)?;
+        let file: Self = serde_json::from_slice(bytes).map_err(error)?;
+        let known = serde_json::to_value(&file).map_err(error)?;
+        Ok(Self { unknown: unknown_keys::beyond(&all, &known), ..file })
+    }
+
+    /// The keys that this version does not know, in a sentence; `None` where it knows all.
+    pub fn unknown_sentence(&self) -> Option<String> {
+        let names = unknown_keys::names(&self.unknown);
+        let path = self.path.as_deref().unwrap_or(Path::new("the session")).display();
+        (!names.is_empty()).then(|| format!("'{path}' has keys that are unknown here and kept: {}.", names.join(", ")))
+    }
+
+    /// The contents as JSON, with every key that was kept.
+    ///
+    /// # Errors
+    /// Never for what can be read back.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        let mut all = serde_json::to_value(self)?;
+        unknown_keys::merge(&self.unknown, &mut all);
+        serde_json::to_string_pretty(&all)
+    }
+
+    /// Writes the contents, whole or not at all; paths become relative to the file where there is a way.
+    ///
+    /// # Errors
+    /// A sentence that names the file and the cause.
+    pub fn write(&self, path: &Path) -> Result<(), SessionFileError> {
+        let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let folder = absolute(path.parent().unwrap_or(Path::new("")));
+        let mut file = self.clone();
+        file.for_each_path(|path| {
+            let whole = absolute(path);
+            *path = pathdiff::diff_paths(&whole, &folder).unwrap_or(whole);
+        });
+        let name = path.display().to_string();
+        let json = file.to_json().map_err(|cause| SessionFileError::Parse { path: name, cause })?;
+        Ok(write_bytes_atomically(path, format!("{json}\n").as_bytes())?)
+    }
+
+    fn for_each_path(&mut self, mut change: impl FnMut(&mut PathBuf)) {
+        if let Some(MapReference::Path(map)) = &mut self.map {
+            change(map);
         }
-        if let (Some(color), Some(folder)) = (&mut file.map_options.color, path.parent()) {
-            *color = folder.join(&*color);
+        if let Some(color) = &mut self.map_options.color {
+            change(color);
         }
-        Ok(file)
     }
 
     /// The request that opens the session's map, if it names one.
@@ -111,47 +179,113 @@ impl Session {
             comparison: self.comparison,
             selected: Some(self.selected),
             truth_samples: Some(self.truth_samples),
-            other: Map::new(),
+            view: None,
+            unknown: self.unknown.clone(),
+            path: None,
         }
     }
 
     /// Takes everything but the map from a file's contents, before the first fit starts.
     pub fn apply(&mut self, file: &SessionFile) {
-        self.surface = file.surface.clone();
-        self.comparison = file.comparison;
-        self.truth_samples = file.truth_samples.unwrap_or(self.truth_samples);
-        if let Some(texel) = file.selected {
-            self.select(texel);
-        }
+        self.take_settings(file);
         if file.fit != *self.fit_settings() {
             self.fitting.restart(file.fit);
         }
+    }
+
+    /// Takes everything from a file's contents. Another map is read in the background first, and the rest comes with
+    /// it.
+    pub fn restore(&mut self, file: SessionFile) {
+        let here = self.to_file();
+        if (&file.map, &file.map_options) == (&here.map, &here.map_options) {
+            self.take_settings(&file);
+            self.set_fit_settings(file.fit);
+        } else {
+            self.open(MapRequest::Session(Box::new(file)));
+        }
+    }
+
+    fn take_settings(&mut self, file: &SessionFile) {
+        self.surface = file.surface.clone();
+        self.comparison = file.comparison;
+        self.truth_samples = file.truth_samples.unwrap_or(self.truth_samples);
+        self.unknown.clone_from(&file.unknown);
+        if let Some(texel) = file.selected {
+            self.select(texel);
+        }
+    }
+
+    /// Takes a session file whose map was adopted just now.
+    pub(super) fn adopt_file(&mut self, file: SessionFile) {
+        self.take_settings(&file);
+        if let Some(sentence) = file.unknown_sentence() {
+            self.report(Message::remark(sentence));
+        }
+        (self.view, self.path) = (file.view, file.path);
+    }
+
+    /// The window's layout of a session file that was opened since this was last asked.
+    pub fn take_view(&mut self) -> Option<Value> {
+        self.view.take()
+    }
+
+    /// Keeps, and names, what a layout of the window holds beyond the one that is `known`.
+    pub fn keep_unknown_view(&mut self, read: &Value, known: &Value) {
+        let view = unknown_keys::beyond(read, known);
+        if !view.is_empty() {
+            let unknown = Map::from_iter([("view".to_owned(), Value::Object(view))]);
+            let file = SessionFile { unknown, path: self.path.clone(), ..SessionFile::default() };
+            self.messages.extend(file.unknown_sentence().map(Message::remark));
+            self.unknown.extend(file.unknown);
+        }
+    }
+
+    /// The session file that is open, if one is.
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lighting::Light;
 
-    #[test]
-    fn a_session_file_keeps_what_it_does_not_know_and_defaults_what_it_lacks() {
-        let text = r#"{"fit": {"lobes": 3, "align": "paper:0.1"}, "future": {"x": 1}}"#;
-        let file: SessionFile = serde_json::from_str(text).expect("valid JSON");
-        assert_eq!(file.fit.lobes, 3);
-        assert_eq!(file.fit.iterations, FitSettings::default().iterations);
-        assert_eq!(file.surface, LitSurface::default());
-        assert!(serde_json::to_string(&file).expect("serialises").contains(r#""future":{"x":1}"#));
+    fn parse(text: &str) -> SessionFile {
+        SessionFile::parse("a.ndfi.json", text.as_bytes()).expect("a session")
     }
 
     #[test]
-    fn a_session_of_one_light_is_read_as_before() {
-        let text = r#"{"surface": {"light": {"azimuth_deg": 12.0, "elevation_deg": 30.0, "intensity": 2.0}}}"#;
-        let file: SessionFile = serde_json::from_str(text).expect("valid JSON");
-        let light = Light { azimuth_deg: 12.0, elevation_deg: 30.0, intensity: 2.0, ..Light::DEFAULT };
-        assert_eq!(file.surface.lights, light.into());
-        let written = serde_json::to_value(&file).expect("serialises");
-        assert_eq!(written["surface"]["lights"][0]["azimuth_deg"], 12.0);
-        assert!(written["surface"].get("light").is_none() && written["other"].is_null());
+    fn a_session_file_defaults_what_it_lacks_and_keeps_and_names_what_it_does_not_know() {
+        let file = parse(r#"{"fit": {"lobes": 3, "pace": 2}, "future": {"x": 1}}"#);
+        assert_eq!(file.fit.lobes, 3);
+        assert_eq!(file.fit.iterations, FitSettings::default().iterations);
+        assert_eq!(file.surface, LitSurface::default());
+        let sentence = file.unknown_sentence().expect("two keys are unknown");
+        assert!(sentence.ends_with("kept: fit.pace, future.x."), "{sentence}");
+        let again = parse(&file.to_json().expect("serialises"));
+        assert_eq!(again, file);
+        assert!(parse(r#"{"fit": {"lobes": 3}}"#).unknown_sentence().is_none());
+    }
+
+    #[test]
+    fn paths_are_relative_to_the_file_and_found_again_from_anywhere() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (maps, sessions) = (folder.path().join("maps"), folder.path().join("sessions"));
+        [&maps, &sessions].into_iter().for_each(|path| std::fs::create_dir(path).expect("a folder"));
+        let map = Some(MapReference::Path(maps.join("bark.png")));
+        let path = sessions.join("bark.ndfi.json");
+        SessionFile { map: map.clone(), ..SessionFile::default() }.write(&path).expect("written");
+        let text = std::fs::read_to_string(&path).expect("there");
+        assert!(text.contains(r#""../maps/bark.png""#), "{text}");
+        let MapReference::Path(read) = SessionFile::read(&path).expect("read").map.expect("a map") else {
+            panic!("no path")
+        };
+        assert_eq!(read, sessions.join("../maps/bark.png"));
+    }
+
+    #[test]
+    fn what_is_no_session_is_said_with_its_name_and_place() {
+        let error = SessionFile::parse("a.ndfi.json", br#"{"fit": 7}"#).expect_err("no settings").to_string();
+        assert!(error.starts_with("'a.ndfi.json' is not a session file: ") && error.contains("line 1"), "{error}");
     }
 }

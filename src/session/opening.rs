@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::file::SessionFile;
 use super::{Message, Offer};
 use crate::export::lobes_exr::{self, FittedLobes};
 use crate::filter::PlainMip;
@@ -37,26 +38,36 @@ pub enum MapRequest {
         /// How they are read.
         options: MapOptions,
     },
+    /// The map of a session, and its settings with it.
+    Session(Box<SessionFile>),
 }
 
-/// A map that was read, and its lobes where the file holds a fit.
+/// A map that was read, its lobes where the file holds a fit, and settings where it is a session.
 #[derive(Clone, Debug)]
 pub struct OpenedMap {
     /// The map.
     pub map: Arc<NormalMap>,
     /// The fit of it that came along.
     pub fit: Option<FittedLobes>,
+    /// The session file that named it.
+    pub session: Option<Box<SessionFile>>,
+}
+
+impl From<Arc<NormalMap>> for OpenedMap {
+    fn from(map: Arc<NormalMap>) -> Self {
+        Self { map, fit: None, session: None }
+    }
 }
 
 impl From<NormalMap> for OpenedMap {
     fn from(map: NormalMap) -> Self {
-        Self { map: Arc::new(map), fit: None }
+        Arc::new(map).into()
     }
 }
 
 impl From<FittedLobes> for OpenedMap {
     fn from(fit: FittedLobes) -> Self {
-        Self { map: Arc::clone(&fit.lobes.map), fit: Some(fit) }
+        Self { fit: Some(fit.clone()), ..Arc::clone(&fit.lobes.map).into() }
     }
 }
 
@@ -89,7 +100,8 @@ impl Opening {
     /// Asks for a file, then reads it. `Err` is a sentence for the user.
     pub fn start_dialog(&mut self, options: MapOptions, wake: &Wake) -> Result<(), String> {
         self.spawn("open-dialog", wake, move |outbox| {
-            let dialog = rfd::FileDialog::new().set_title("Open a normal map").add_filter("Images", &EXTENSIONS);
+            let dialog = rfd::FileDialog::new().set_title("Open a normal map or a session");
+            let dialog = dialog.add_filter("Images and sessions", &EXTENSIONS);
             outbox.send(match dialog.pick_file() {
                 Some(path) => read_news(MapRequest::File { path, options }),
                 None => News::Dismissed,
@@ -123,7 +135,8 @@ impl Opening {
 }
 
 /// Extensions that the dialog offers.
-const EXTENSIONS: [&str; 12] = ["png", "tga", "bmp", "tif", "tiff", "jpg", "jpeg", "webp", "hdr", "exr", "PNG", "TGA"];
+const EXTENSIONS: [&str; 13] =
+    ["png", "tga", "bmp", "tif", "tiff", "jpg", "jpeg", "webp", "hdr", "exr", "json", "PNG", "TGA"];
 
 fn read_news(request: MapRequest) -> News {
     match read(&request) {
@@ -174,6 +187,13 @@ fn read_or_refuse(request: &MapRequest) -> Result<OpenedMap, Refused> {
             let bytes = image_io::read_bytes(path).map_err(|error| error.to_string())?;
             (read_bytes("standard input", &bytes, options)?, options)
         }
+        MapRequest::File { path, .. } if SessionFile::is_named_by(path) => {
+            return read_session(SessionFile::read(path).map_err(|error| error.to_string())?);
+        }
+        MapRequest::Bytes { name, bytes, .. } if SessionFile::is_named_by(Path::new(name)) => {
+            return read_session(SessionFile::parse(name, bytes).map_err(|error| error.to_string())?);
+        }
+        MapRequest::Session(file) => return read_session((**file).clone()),
         MapRequest::File { path, options } => (read_file(path, options)?, options),
         MapRequest::Bytes { name, bytes, options } => (read_bytes(name, bytes, options)?, options),
         MapRequest::Bundled { name, options } => {
@@ -191,15 +211,31 @@ impl MapRequest {
     /// The same, read as heights.
     fn as_heights(&self) -> Self {
         let mut request = self.clone();
-        let (Self::File { options, .. } | Self::Bytes { options, .. } | Self::Bundled { options, .. }) = &mut request;
+        let options = match &mut request {
+            Self::File { options, .. } | Self::Bytes { options, .. } | Self::Bundled { options, .. } => options,
+            Self::Session(file) => &mut file.map_options,
+        };
         options.height_scale = Some(DEFAULT_HEIGHT_SCALE);
         request
     }
 }
 
+/// Reads the map of a session, or makes the default one where it names none.
+fn read_session(file: SessionFile) -> Result<OpenedMap, Refused> {
+    let opened = match file.map_request() {
+        // A session names a map, never another session.
+        Some(MapRequest::File { path, .. }) if SessionFile::is_named_by(&path) => {
+            return Err(format!("'{}' is a session, not a map.", path.display()).into());
+        }
+        Some(request) => read_or_refuse(&request)?,
+        None => procedural::default_map().into(),
+    };
+    Ok(OpenedMap { session: Some(Box::new(file)), ..opened })
+}
+
 /// Reads the colour that the options name; the lobes of a fit take it too.
 fn with_color(opened: OpenedMap, options: &MapOptions) -> Result<OpenedMap, String> {
-    let OpenedMap { map, mut fit } = opened;
+    let OpenedMap { map, mut fit, session } = opened;
     let mut map = Arc::unwrap_or_clone(map);
     map.read_color(options).map_err(|error| error.to_string())?;
     let map = Arc::new(map);
@@ -209,7 +245,7 @@ fn with_color(opened: OpenedMap, options: &MapOptions) -> Result<OpenedMap, Stri
         let monitor = Monitor::new(vec![0; lobes.levels()]);
         color::fit_levels(lobes, fit.settings.kappa, &monitor, &mut |_, _| {}).map_err(|error| error.to_string())?;
     }
-    Ok(OpenedMap { map, fit })
+    Ok(OpenedMap { map, fit, session })
 }
 
 fn read_file(path: &Path, options: &MapOptions) -> Result<OpenedMap, Refused> {

@@ -2,9 +2,11 @@
 
 pub mod controls;
 pub mod figures_panel;
-pub mod light_dome;
+pub mod key_list;
 pub mod lobe_table;
 pub mod map_panel;
+pub mod palette;
+pub mod save_session;
 pub mod sphere_panel;
 pub mod status_bar;
 pub mod surface_overlay;
@@ -15,8 +17,10 @@ pub mod trace_plot;
 
 use egui::{Response, RichText, Ui};
 
+use super::actions::Facts;
 use super::brdf_report::BrdfReport;
 use super::figures_report::FiguresReport;
+use super::history::History;
 use super::inspector::Surroundings;
 use super::map_picture::MapTextures;
 use super::texel_report::TexelReport;
@@ -40,6 +44,8 @@ pub struct PanelContext<'a> {
     pub trace: &'a TraceReport,
     /// What was measured.
     pub figures: &'a FiguresReport,
+    /// What can be undone.
+    pub history: &'a History,
     /// Levels as textures.
     pub textures: &'a mut MapTextures,
     /// Where all this is shown.
@@ -52,6 +58,11 @@ impl PanelContext<'_> {
     /// Asks for something.
     pub fn push(&mut self, command: Command) {
         self.commands.push(command);
+    }
+
+    /// What actions look at.
+    pub fn facts(&self) -> Facts<'_> {
+        Facts { session: self.session, view: self.view, history: self.history }
     }
 }
 

@@ -1,25 +1,25 @@
 //! The top bar: menus, what is open, and what the middle of the window shows.
 
-use egui::{Align, Layout as Flow, MenuBar, RichText, Ui};
+use egui::{Align, Button, Layout as Flow, MenuBar, RichText, Ui};
 
 use super::{PanelContext, segmented};
-use crate::app::view_state::Layout;
-use crate::app::{Command, ViewState, theme};
-use crate::normal_map::procedural::SAMPLES;
-use crate::session::MapRequest;
+use crate::app::actions::{self, Action, Menu};
+use crate::app::view_state::{Layout, Overlay};
+use crate::app::{Command, theme};
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     MenuBar::new().ui(ui, |ui| {
         ui.label(RichText::new("NDF Inspector").strong().color(theme::STRONG));
         ui.add_space(theme::GRID);
-        ui.menu_button("File", |ui| file_menu(ui, context));
-        ui.menu_button("View", |ui| view_menu(ui, context));
-        ui.menu_button("Help", help_menu);
+        for (menu, label) in Menu::ALL {
+            ui.menu_button(label, |ui| show_menu(ui, context, menu));
+        }
         ui.add_space(2.0 * theme::GRID);
         ui.label(RichText::new(context.session.map().name()).strong());
         ui.label(RichText::new(facts(context)).color(theme::WEAK));
         ui.with_layout(Flow::right_to_left(Align::Center), |ui| {
+            search(ui, context);
             let reversed: Vec<_> = Layout::ALL.into_iter().rev().collect();
             segmented(ui, "Layout", &mut context.view.layout, &reversed);
         });
@@ -32,59 +32,60 @@ fn facts(context: &PanelContext<'_>) -> String {
     format!("{} × {} · {} {}", map.width, map.height, stored.depth.label(), stored.format)
 }
 
-fn file_menu(ui: &mut Ui, context: &mut PanelContext<'_>) {
-    if ui.button("Open…").clicked() {
-        context.push(Command::OpenDialog);
+/// The way to every action, for whoever does not know the key.
+fn search(ui: &mut Ui, context: &mut PanelContext<'_>) {
+    let key = actions::find("palette").map_or_else(String::new, |action| action.key_text(ui.ctx()));
+    let button = Button::new(RichText::new("Search").color(theme::WEAK)).shortcut_text(key);
+    if ui.add(button).accessible_name("Search actions").clicked() {
+        context.view.overlay = Overlay::Palette;
     }
-    ui.menu_button("Open recent", |ui| {
-        let paths = context.session.recent().paths();
-        if paths.is_empty() {
-            ui.label(RichText::new("Nothing opened yet").color(theme::WEAK));
+    ui.add_space(theme::GRID);
+}
+
+/// The actions of a menu, in their order; those of a kind go into a menu of their own.
+fn show_menu(ui: &mut Ui, context: &mut PanelContext<'_>, menu: Menu) {
+    let mut shown = None;
+    for action in actions::all().iter().filter(|action| action.menu == menu) {
+        if action.starts_group {
+            ui.separator();
         }
-        for path in paths {
-            if ui.button(path.display().to_string()).clicked() {
-                context.commands.push(Command::OpenPath(path.clone()));
+        match action.submenu {
+            None => item(ui, context, action, menu.label()),
+            Some(name) if shown != Some(name) => {
+                shown = Some(name);
+                ui.menu_button(name, |ui| show_submenu(ui, context, menu, name));
             }
+            Some(_) => {}
         }
-    });
-    ui.menu_button("Open bundled map", |ui| {
-        for sample in SAMPLES {
-            if ui.button(sample.name).on_hover_text(sample.description).clicked() {
-                let options = context.session.map().options.clone();
-                context.push(Command::Open(MapRequest::Bundled { name: sample.name.to_owned(), options }));
-            }
+        if action.name == "open" {
+            ui.menu_button("Open recent", |ui| recent(ui, context));
         }
-    });
-    ui.separator();
-    if ui.button("Quit").clicked() {
-        ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
     }
 }
 
-fn view_menu(ui: &mut Ui, context: &mut PanelContext<'_>) {
-    if ui.button("Reset view").on_hover_text("Panels, zoom and sphere as on the first start").clicked() {
-        *context.view = ViewState::default();
-    }
-    if ui.button("Reset camera").clicked() {
-        let camera = crate::scene::Camera::default();
-        context.push(Command::SetSurface(crate::lit_surface::LitSurface { camera, ..context.session.surface.clone() }));
+fn show_submenu(ui: &mut Ui, context: &mut PanelContext<'_>, menu: Menu, name: &str) {
+    let inside = |action: &&Action| action.menu == menu && action.submenu == Some(name);
+    actions::all().iter().filter(inside).for_each(|action| item(ui, context, action, name));
+}
+
+fn item(ui: &mut Ui, context: &mut PanelContext<'_>, action: &Action, menu: &str) {
+    let command = action.command(&context.facts());
+    let button = Button::new(&action.label).shortcut_text(action.key_text(ui.ctx()));
+    let response = ui.add_enabled(command.is_some(), button).accessible_name(format!("{menu}: {}", action.label));
+    if response.clicked() {
+        context.commands.extend(command);
     }
 }
 
-fn help_menu(ui: &mut Ui) {
-    let rows = [
-        ("Drag on the surface", "orbit"),
-        ("L + drag, or right drag", "move the light"),
-        ("Wheel", "dolly, or zoom the map"),
-        ("Click on surface, map or level", "select the texel"),
-        ("Drag on the sphere", "turn it"),
-        ("Double click a control", "reset it"),
-    ];
-    egui::Grid::new("help").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
-        for (gesture, effect) in rows {
-            ui.label(RichText::new(gesture).color(theme::STRONG));
-            ui.label(effect);
-            ui.end_row();
+/// Maps and sessions opened lately.
+fn recent(ui: &mut Ui, context: &mut PanelContext<'_>) {
+    let paths = context.session.recent().paths();
+    if paths.is_empty() {
+        ui.label(RichText::new("Nothing opened yet").color(theme::WEAK));
+    }
+    for path in paths {
+        if ui.button(path.display().to_string()).clicked() {
+            context.commands.push(Command::OpenPath(path.clone()));
         }
-    });
+    }
 }

@@ -1,5 +1,6 @@
 //! The window as its user meets it: driven by names, and looked at in pictures.
 
+mod actions;
 mod behaviour;
 mod pictures;
 mod texels;

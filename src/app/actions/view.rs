@@ -1,0 +1,147 @@
+//! What is seen: layout, views of two methods, zoom, exposure, the sphere.
+
+use egui::{Key, Modifiers};
+
+use super::methods::change;
+use super::{Action, Facts, Menu};
+use crate::app::Command;
+use crate::app::view_state::{Layout, MapShading, MapView, ViewState};
+use crate::comparison::View;
+use crate::lit_surface::LitSurface;
+use crate::scene::{Camera, SphereOrbit};
+
+const EXPOSURES: [f32; 2] = [-8.0, 8.0];
+const EXPOSURE_STEP: f32 = 0.5;
+const ZOOM_STEP: f32 = 1.25;
+const ZOOMS: [f32; 2] = [0.25, 256.0];
+
+pub fn actions() -> Vec<Action> {
+    [layouts(), views(), zoom(), exposure(), map(), sphere(), resets()].into_iter().flatten().collect()
+}
+
+fn of_view(name: &str, label: &str, change: fn(&mut ViewState)) -> Action {
+    Action::of_view(Menu::View, name, label, change)
+}
+
+fn layouts() -> Vec<Action> {
+    vec![
+        of_view("layout-surface", "Surface", |view| view.layout = Layout::Surface).key(Modifiers::NONE, Key::F2),
+        of_view("layout-split", "Split", |view| view.layout = Layout::Split).key(Modifiers::NONE, Key::F3),
+        of_view("layout-map", "Map", |view| view.layout = Layout::Map).key(Modifiers::NONE, Key::F4),
+        of_view("layout-figures", "Figures", |view| view.layout = Layout::Figures).key(Modifiers::NONE, Key::F5),
+    ]
+}
+
+fn views() -> Vec<Action> {
+    let key = |view| match view {
+        View::Wipe => (Modifiers::NONE, Key::W),
+        View::Flip => (Modifiers::SHIFT, Key::W),
+        View::Difference => (Modifiers::NONE, Key::D),
+        View::Grid2x2 => (Modifiers::NONE, Key::G),
+        View::Grid3x3 => (Modifiers::SHIFT, Key::G),
+    };
+    let action = |(view, label): (View, &str)| {
+        let make = move |facts: &Facts<'_>| change(facts, |comparison| comparison.view = view);
+        let action = Action::new(Menu::View, format!("view-{view}"), label, make);
+        let (modifiers, key) = key(view);
+        let action = action.key(modifiers, key);
+        if view == View::Wipe { action.after_rule() } else { action }
+    };
+    View::ALL.into_iter().map(action).collect()
+}
+
+fn zoom() -> Vec<Action> {
+    vec![
+        Action::new(Menu::View, "fit-view", "Fit in view", |facts| {
+            if facts.view.layout == Layout::Map {
+                return Some(Command::ChangeView(|view| {
+                    view.map = MapView { shading: view.map.shading, ..MapView::default() };
+                }));
+            }
+            surface(facts, |surface| surface.camera.distance = Camera::default().distance)
+        })
+        .key(Modifiers::NONE, Key::F)
+        .after_rule(),
+        Action::new(Menu::View, "zoom-in", "Zoom in", |facts| {
+            zoomed(facts, 1.0 / ZOOM_STEP, |view| scale(view, ZOOM_STEP))
+        })
+        .key(Modifiers::NONE, Key::Plus)
+        .key(Modifiers::NONE, Key::Equals)
+        .repeating(),
+        Action::new(Menu::View, "zoom-out", "Zoom out", |facts| {
+            zoomed(facts, ZOOM_STEP, |view| scale(view, 1.0 / ZOOM_STEP))
+        })
+        .key(Modifiers::NONE, Key::Minus)
+        .repeating(),
+    ]
+}
+
+/// Zooms the map where it stands alone, else moves the camera.
+fn zoomed(facts: &Facts<'_>, dolly: f32, map: fn(&mut ViewState)) -> Option<Command> {
+    if facts.view.layout == Layout::Map {
+        return Some(Command::ChangeView(map));
+    }
+    surface(facts, |surface| surface.camera.dolly(dolly))
+}
+
+fn scale(view: &mut ViewState, factor: f32) {
+    view.map.zoom = (view.map.zoom * factor).clamp(ZOOMS[0], ZOOMS[1]);
+}
+
+fn exposure() -> Vec<Action> {
+    let by = |stops: f32| {
+        move |facts: &Facts<'_>| {
+            surface(facts, |surface| {
+                surface.exposure_stops = (surface.exposure_stops + stops).clamp(EXPOSURES[0], EXPOSURES[1]);
+            })
+        }
+    };
+    vec![
+        Action::new(Menu::View, "exposure-up", "Half a stop brighter", by(EXPOSURE_STEP))
+            .key(Modifiers::NONE, Key::E)
+            .repeating()
+            .after_rule(),
+        Action::new(Menu::View, "exposure-down", "Half a stop darker", by(-EXPOSURE_STEP))
+            .key(Modifiers::SHIFT, Key::E)
+            .repeating(),
+        Action::new(Menu::View, "exposure-reset", "Exposure 0", |facts| {
+            surface(facts, |surface| surface.exposure_stops = 0.0)
+        })
+        .key(Modifiers::NONE, Key::Num0),
+    ]
+}
+
+fn map() -> Vec<Action> {
+    let texels = |name, label, change| of_view(name, label, change).inside("Texels as");
+    vec![
+        texels("texels-normal", "Normal", |view| view.map.shading = MapShading::Normal),
+        texels("texels-length", "Length", |view| view.map.shading = MapShading::Length),
+        texels("texels-lobes", "Lobes", |view| view.map.shading = MapShading::Lobes),
+        texels("texels-count", "J", |view| view.map.shading = MapShading::Count),
+    ]
+}
+
+fn sphere() -> Vec<Action> {
+    let from = |name, label, change| of_view(name, label, change).inside("Sphere from");
+    vec![
+        from("sphere-top", "Top", |view| view.sphere_orbit = SphereOrbit::TOP),
+        from("sphere-side", "Side", |view| view.sphere_orbit = SphereOrbit::SIDE),
+        from("sphere-free", "Free", |view| view.sphere_orbit = SphereOrbit::default()),
+    ]
+}
+
+fn resets() -> Vec<Action> {
+    vec![
+        of_view("reset-view", "Reset view", |view| *view = ViewState::default()).after_rule(),
+        Action::new(Menu::View, "reset-camera", "Reset camera", |facts| {
+            surface(facts, |surface| surface.camera = Camera::default())
+        }),
+    ]
+}
+
+/// The command that changes the surface.
+fn surface(facts: &Facts<'_>, change: impl FnOnce(&mut LitSurface)) -> Option<Command> {
+    let mut surface = facts.session.surface.clone();
+    change(&mut surface);
+    Some(Command::SetSurface(surface))
+}

@@ -1,0 +1,87 @@
+//! Every action with its keys, and what the pointer does.
+
+use egui::{Context, Grid, Id, Modal, RichText, ScrollArea, Ui};
+
+use super::{PanelContext, heading};
+use crate::app::actions::{self, Action, Menu};
+use crate::app::theme;
+use crate::app::view_state::Overlay;
+
+/// What the pointer does, and keys that are held.
+const GESTURES: [(&str, &str); 6] = [
+    ("Drag on the surface", "orbit"),
+    ("L + drag, or right drag", "move the light"),
+    ("Wheel", "dolly, or zoom the map"),
+    ("Click on surface, map or level", "select the texel"),
+    ("Drag on the sphere", "turn it"),
+    ("Double click a control", "reset it"),
+];
+
+/// Shows the list until it is dismissed.
+pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
+    let room = ctx.content_rect().size() - egui::vec2(80.0, 120.0);
+    let modal = Modal::new(Id::unique("keys")).show(ctx, |ui| {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Keys and gestures").heading().color(theme::STRONG));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.button("Close").accessible_name("Close the keys").clicked()
+            })
+            .inner
+        })
+        .inner
+            | ScrollArea::both().max_width(room.x).max_height(room.y).show(ui, columns).inner
+    });
+    if modal.inner || modal.should_close() {
+        context.view.overlay = Overlay::None;
+    }
+}
+
+fn columns(ui: &mut Ui) -> bool {
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 28.0;
+        ui.vertical(|ui| {
+            gestures(ui);
+            section(ui, Menu::File, None);
+            section(ui, Menu::Edit, None);
+            section(ui, Menu::Help, None);
+        });
+        ui.vertical(|ui| section(ui, Menu::View, None));
+        let submenus = submenus();
+        for group in submenus.chunks(2) {
+            ui.vertical(|ui| group.iter().for_each(|&(menu, name)| section(ui, menu, Some(name))));
+        }
+    });
+    false
+}
+
+/// Every menu within a menu, in order.
+fn submenus() -> Vec<(Menu, &'static str)> {
+    let mut found: Vec<_> = actions::all().iter().filter_map(|action| Some((action.menu, action.submenu?))).collect();
+    found.dedup();
+    found
+}
+
+fn gestures(ui: &mut Ui) {
+    heading(ui, "Gestures");
+    grid(ui, "gestures", GESTURES.into_iter().map(|(gesture, effect)| (effect.to_owned(), gesture.to_owned())));
+}
+
+fn section(ui: &mut Ui, menu: Menu, submenu: Option<&'static str>) {
+    let name = submenu.unwrap_or(menu.label());
+    heading(ui, name);
+    let inside = |action: &&Action| action.menu == menu && action.submenu == submenu;
+    let ctx = ui.ctx().clone();
+    let keys = |action: &Action| action.keys.iter().map(|key| ctx.format_shortcut(key)).collect::<Vec<_>>().join(", ");
+    grid(ui, name, actions::all().iter().filter(inside).map(|action| (action.label.clone(), keys(action))));
+}
+
+fn grid(ui: &mut Ui, name: &str, rows: impl Iterator<Item = (String, String)>) {
+    Grid::new(("keys", name)).num_columns(2).spacing([16.0, 2.0]).show(ui, |ui| {
+        for (effect, keys) in rows {
+            ui.label(RichText::new(effect).color(theme::TEXT));
+            ui.label(RichText::new(keys).color(theme::ACCENT));
+            ui.end_row();
+        }
+    });
+    ui.add_space(2.0 * theme::GRID);
+}
