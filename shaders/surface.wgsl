@@ -7,10 +7,6 @@ struct Frame {
     clip_from_world: mat4x4f,
     eye_in_world: vec3f,
     shininess: f32,
-    light_in_world: vec3f,
-    fixed_level: f32,
-    radiance: vec3f,
-    convolution: u32,
     specular_color: vec3f,
     specular: f32,
     diffuse_color: vec3f,
@@ -25,10 +21,21 @@ struct Frame {
     first_sample: u32,
     sample_count: u32,
     diffuse_rule: u32,
+    convolution: u32,
     level_choice: u32,
     most_probes: u32,
-    padding: u32,
+    fixed_level: f32,
+    light_count: u32,
+    padding: vec2u,
     fold: array<vec4u, 4>,
+    lights: array<Light, 8>,
+}
+
+// Where a light stands, in homogeneous coordinates, and its radiance, at a distance of 1 where it has one.
+struct Light {
+    position_in_world: vec4f,
+    radiance: vec3f,
+    padding: u32,
 }
 
 // A pipeline is made for what it is asked for: software adapters run both sides of every branch.
@@ -111,16 +118,32 @@ fn footprint_of(point: Point, lookup: Lookup) -> PixelFootprint {
     return PixelFootprint(stretch.x * lookup.uv_dx, stretch.y * lookup.uv_dy, perspective);
 }
 
-fn local_light(point: Point) -> LocalLight {
+// What a light gives at a surface point.
+struct Incident {
+    local: LocalLight,
+    radiance: vec3f,
+}
+
+// The least squared distance that is told apart (lighting/light.rs).
+const LEAST_SQUARED: f32 = 1e-4;
+
+fn incident_light(point: Point, index: u32) -> Incident {
+    let light = frame.lights[index];
+    let to_light = light.position_in_world.xyz - light.position_in_world.w * point.position_in_world;
+    let squared = max(dot(to_light, to_light), LEAST_SQUARED);
+    return Incident(local_light(point, normalize_or_zero(to_light)), light.radiance / squared);
+}
+
+fn local_light(point: Point, light_in_world: vec3f) -> LocalLight {
     let normal = normalize_or_zero(point.normal_in_world);
     let tangent = normalize_or_zero(point.tangent_in_world - normal * dot(normal, point.tangent_in_world));
     let bitangent = cross(normal, tangent);
     let to_eye = normalize_or_zero(frame.eye_in_world - point.position_in_world);
-    let sum = to_eye + frame.light_in_world;
+    let sum = to_eye + light_in_world;
     let half = select(normal, normalize_or_zero(sum), dot(sum, sum) > 1e-30);
     // Rows are the frame's axes, so multiplying from the right takes world to tangent space.
     let world_from_tangent = mat3x3f(tangent, bitangent, normal);
-    return LocalLight(frame.light_in_world * world_from_tangent, half * world_from_tangent);
+    return LocalLight(light_in_world * world_from_tangent, half * world_from_tangent);
 }
 
 // A lobe as stored, with its stored colour alpha y; that is read only where `COLORED`.
@@ -153,11 +176,8 @@ fn seen(color: vec3f) -> vec4u {
     return bitcast<vec4u>(vec4f(color, 1.0));
 }
 
-@fragment
-fn truth(point: Point) -> @location(0) vec4u {
-    let lookup = lookup_of(point);
-    let footprint = footprint_of(point, lookup);
-    let light = local_light(point);
+// The sum of what the samples reflect.
+fn truth_of(lookup: Lookup, footprint: PixelFootprint, light: LocalLight) -> vec3f {
     let size = vec2i(textureDimensions(means));
     var sum = vec3f(0.0);
     for (var i = 0u; i < frame.sample_count; i++) {
@@ -171,7 +191,19 @@ fn truth(point: Point) -> @location(0) vec4u {
         let normal = normalize_or_zero(textureLoad(means, texel, 0).xyz);
         let half_cosine = dot(normal, light.half_in_tangent);
         let light_cosine = dot(normal, light.light_in_tangent);
-        sum += frame.radiance * color_at(texel) * reflect(material(), frame.shininess, half_cosine, light_cosine);
+        sum += color_at(texel) * reflect(material(), frame.shininess, half_cosine, light_cosine);
+    }
+    return sum;
+}
+
+@fragment
+fn truth(point: Point) -> @location(0) vec4u {
+    let lookup = lookup_of(point);
+    let footprint = footprint_of(point, lookup);
+    var sum = vec3f(0.0);
+    for (var index = 0u; index < frame.light_count; index++) {
+        let incident = incident_light(point, index);
+        sum += incident.radiance * truth_of(lookup, footprint, incident.local);
     }
     // A running mean keeps its digits; a sum of 65536 samples would lose four of its seven.
     let mean = bitcast<vec3f>(textureLoad(mean_so_far, vec2i(lookup.pixel), 0).rgb);
@@ -293,13 +325,16 @@ fn shade_aligned(uv: vec2f, lod: f32, light: LocalLight) -> vec3f {
 @fragment
 fn vmf(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
-    let light = local_light(point);
     let probes = probes_of(lookup, frame.vmf_lods);
     var sum = vec3f(0.0);
-    for (var i = 0u; i < probes.count; i++) {
-        sum += shade_aligned(lookup.uv + probe_offset(probes, i), probes.lod, light);
+    for (var index = 0u; index < frame.light_count; index++) {
+        let incident = incident_light(point, index);
+        for (var i = 0u; i < probes.count; i++) {
+            let uv = lookup.uv + probe_offset(probes, i);
+            sum += incident.radiance * shade_aligned(uv, probes.lod, incident.local);
+        }
     }
-    return seen(frame.radiance * sum / f32(probes.count));
+    return seen(sum / f32(probes.count));
 }
 
 // What the lobes of one texel reflect, slots folded before they are shaded.
@@ -344,20 +379,28 @@ fn shade_around(uv: vec2f, level: i32, light: LocalLight, material: Material) ->
     return sum;
 }
 
+// The blend of what the eight texels around `uv` reflect.
+fn shade_unaligned(uv: vec2f, lod: f32, light: LocalLight) -> vec3f {
+    let level = floor(lod);
+    let share = lod - level;
+    var sum = (1.0 - share) * shade_around(uv, i32(level), light, material());
+    if share > 0.0 {
+        sum += share * shade_around(uv, i32(level) + 1, light, material());
+    }
+    return sum;
+}
+
 @fragment
 fn vmf_unaligned(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
-    let light = local_light(point);
     let probes = probes_of(lookup, frame.vmf_lods);
-    let level = floor(probes.lod);
-    let share = probes.lod - level;
     var sum = vec3f(0.0);
-    for (var i = 0u; i < probes.count; i++) {
-        let uv = lookup.uv + probe_offset(probes, i);
-        sum += (1.0 - share) * shade_around(uv, i32(level), light, material());
-        if share > 0.0 {
-            sum += share * shade_around(uv, i32(level) + 1, light, material());
+    for (var index = 0u; index < frame.light_count; index++) {
+        let incident = incident_light(point, index);
+        for (var i = 0u; i < probes.count; i++) {
+            let uv = lookup.uv + probe_offset(probes, i);
+            sum += incident.radiance * shade_unaligned(uv, probes.lod, incident.local);
         }
     }
-    return seen(frame.radiance * sum / f32(probes.count));
+    return seen(sum / f32(probes.count));
 }

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use crate::brdf::Material;
 use crate::filter::probes::MOST_PROBES;
 use crate::filter::{Filter, LevelChoice, LevelRule, LocalLight, Lookup, PixelFootprint, Probes};
-use crate::lighting::DirectionalLight;
+use crate::lighting::{Light, Lights};
 use crate::scene::{Camera, Shape};
 
 /// Everything the picture of the surface depends on, save the map and the method.
@@ -17,8 +17,9 @@ pub struct LitSurface {
     pub shape: Shape,
     /// Where it is seen from.
     pub camera: Camera,
-    /// The light.
-    pub light: DirectionalLight,
+    /// The lights; sessions once had one.
+    #[serde(alias = "light")]
+    pub lights: Lights,
     /// The material.
     pub material: Material,
     /// Which level is read.
@@ -34,7 +35,7 @@ impl Default for LitSurface {
         Self {
             shape: Shape::default(),
             camera: Camera::default(),
-            light: DirectionalLight::default(),
+            lights: Lights::default(),
             material: Material::default(),
             level: LevelChoice::default(),
             anisotropy: 1,
@@ -81,6 +82,15 @@ impl SurfacePoint {
     pub fn probes(&self, rule: LevelRule, base: (usize, usize), lod_range: [f32; 2]) -> Probes {
         Probes::new(rule, self.uv_dx, self.uv_dy, base, lod_range)
     }
+
+    /// Light and view from their unit directions in world space.
+    fn local_light(&self, to_light: Vec3, to_eye: Vec3) -> LocalLight {
+        let half = (to_eye + to_light).normalize_or(self.normal_in_world);
+        let tangent_from_world = |v: Vec3| {
+            Vec3::new(v.dot(self.tangent_in_world), v.dot(self.bitangent_in_world), v.dot(self.normal_in_world))
+        };
+        LocalLight { light_in_tangent: tangent_from_world(to_light), half_in_tangent: tangent_from_world(half) }
+    }
 }
 
 /// Linear RGB of one surface point, seen through `filter` by `probes` in the pixel of these integer coordinates: the
@@ -93,21 +103,20 @@ pub fn shade_point(
     pixel: [u32; 2],
 ) -> Vec3 {
     let to_eye = (surface.camera.eye_in_world() - point.position_in_world).normalize();
-    let to_light = surface.light.direction_in_world();
-    let half = (to_eye + to_light).normalize_or(point.normal_in_world);
-    let tangent_from_world = |v: Vec3| {
-        Vec3::new(v.dot(point.tangent_in_world), v.dot(point.bitangent_in_world), v.dot(point.normal_in_world))
+    let reflected = |light: &LocalLight| {
+        let probe = |offset: Vec2| {
+            let lookup = Lookup { uv: point.uv + offset, footprint: point.footprint, lod: probes.lod, pixel };
+            filter.shade(&lookup, light, &surface.material)
+        };
+        if filter.takes_probes() {
+            probes.offsets().map(probe).sum::<Vec3>() / probes.count as f32
+        } else {
+            probe(Vec2::ZERO)
+        }
     };
-    let light =
-        LocalLight { light_in_tangent: tangent_from_world(to_light), half_in_tangent: tangent_from_world(half) };
-    let probe = |offset: Vec2| {
-        let lookup = Lookup { uv: point.uv + offset, footprint: point.footprint, lod: probes.lod, pixel };
-        filter.shade(&lookup, &light, &surface.material)
+    let of_light = |light: &Light| {
+        let incident = light.at(point.position_in_world);
+        incident.radiance * reflected(&point.local_light(incident.direction_in_world, to_eye))
     };
-    let reflected: Vec3 = if filter.takes_probes() {
-        probes.offsets().map(probe).sum::<Vec3>() / probes.count as f32
-    } else {
-        probe(Vec2::ZERO)
-    };
-    surface.exposure() * surface.light.radiance() * reflected
+    surface.exposure() * surface.lights.as_slice().iter().map(of_light).sum::<Vec3>()
 }

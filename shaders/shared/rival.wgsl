@@ -27,13 +27,16 @@ fn channel_layer(lookup: Lookup, lod: f32, layer: u32) -> vec4f {
 @fragment
 fn rival(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
-    let light = local_light(point);
     let probes = probes_of(lookup, method.lods);
     var sum = vec3f(0.0);
-    for (var i = 0u; i < probes.count; i++) {
-        var probe = lookup;
-        probe.uv += probe_offset(probes, i);
-        sum += mean_color(probe, probes.lod) * shade(probe, probes.lod, light, material());
+    for (var index = 0u; index < frame.light_count; index++) {
+        let incident = incident_light(point, index);
+        for (var i = 0u; i < probes.count; i++) {
+            var probe = lookup;
+            probe.uv += probe_offset(probes, i);
+            let reflected = shade(probe, probes.lod, incident.local, material());
+            sum += incident.radiance * mean_color(probe, probes.lod) * reflected;
+        }
     }
-    return seen(frame.radiance * sum / f32(probes.count));
+    return seen(sum / f32(probes.count));
 }

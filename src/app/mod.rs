@@ -10,6 +10,7 @@
 //! | `view_state` | what of the view is worth saving: panels, zoom, orbit, toggles |
 //! | `document` | session and view as a session file has them |
 //! | `history` | undo and redo |
+//! | `light_view` | which light is selected, and its sweep |
 //! | `texel_report` | what the selected texel holds, gathered once per change |
 //! | `brdf_report` | its effective BRDF, worked out in the background |
 //! | `trace_report` | how the selected texel's fit went, on demand |
@@ -30,6 +31,7 @@ pub mod figures_plot;
 pub mod figures_report;
 pub mod history;
 pub mod inspector;
+pub mod light_view;
 pub mod map_picture;
 pub mod panels;
 pub mod parameter;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::light_view::LightView;
 use crate::filter::{Method, Rival};
 use crate::gpu::passes::sphere::SphereLayers;
 use crate::measure::{Axis, Metric};
@@ -127,6 +128,8 @@ pub struct ViewState {
     pub map: MapView,
     /// The figures.
     pub figures: FiguresView,
+    /// The lights.
+    pub light: LightView,
     /// How the sphere is turned.
     pub sphere_orbit: SphereOrbit,
     /// What the sphere shows.

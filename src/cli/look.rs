@@ -6,6 +6,7 @@ use super::rules::{Convolution, Diffuse};
 use crate::brdf::Brdf;
 use crate::filter::LevelChoice;
 use crate::filter::probes::MOST_PROBES;
+use crate::lighting::{Light, Lights};
 use crate::lit_surface::LitSurface;
 use crate::scene::ShapeKind;
 
@@ -34,6 +35,11 @@ pub struct LookArguments {
     /// Most probes along the long axis of a pixel's footprint, 1 to 16.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PROBES)))]
     pub anisotropy: Option<u32>,
+    /// A light, up to eight times; the first takes the place of all there were: azimuth=DEGREES, elevation=DEGREES,
+    /// intensity=FACTOR, color=#RRGGBB (sRGB) and distance=D with commas between, whichever are wanted. With a distance
+    /// from the surface's centre it is a point light and falls off by the inverse square.
+    #[arg(long = "light", value_name = "LIGHT")]
+    pub lights: Vec<Light>,
 }
 
 /// The surface by name.
@@ -60,7 +66,10 @@ fn parse_level(text: &str) -> Result<LevelChoice, String> {
 
 impl LookArguments {
     /// Sets what was asked for.
-    pub fn apply_to(&self, surface: &mut LitSurface) {
+    ///
+    /// # Errors
+    /// One sentence that says what cannot be.
+    pub fn apply_to(&self, surface: &mut LitSurface) -> anyhow::Result<()> {
         let material = &mut surface.material;
         material.shininess = self.brdf.map_or(material.shininess, |brdf| brdf.exponent() as f32);
         if self.brdf == Some(Brdf::Lambert) {
@@ -72,6 +81,10 @@ impl LookArguments {
         surface.shape.tiling = self.tiling.map_or(surface.shape.tiling, |tiling| [tiling; 2]);
         surface.level = self.level.unwrap_or(surface.level);
         surface.anisotropy = self.anisotropy.unwrap_or(surface.anisotropy);
+        if !self.lights.is_empty() {
+            surface.lights = Lights::try_from(self.lights.as_slice())?;
+        }
+        Ok(())
     }
 }
 

@@ -111,7 +111,7 @@ impl SceneArguments {
         start.session(|file| self.apply_to(file))
     }
 
-    fn apply_to(&self, file: &mut SessionFile) {
+    fn apply_to(&self, file: &mut SessionFile) -> anyhow::Result<()> {
         let comparison = &mut file.comparison;
         let chosen = [self.left, self.right, self.method];
         file.fit.lobes = chosen.into_iter().flatten().find_map(|choice| choice.lobes).unwrap_or(file.fit.lobes);
@@ -124,9 +124,10 @@ impl SceneArguments {
         }
         file.truth_samples = self.samples.or(file.truth_samples).or(Some(PICTURE_SAMPLES));
         let surface = &mut file.surface;
-        self.look.apply_to(surface);
+        self.look.apply_to(surface)?;
         let distance = self.distance.unwrap_or(surface.camera.distance);
         surface.camera.distance = distance.clamp(Camera::MIN_DISTANCE, Camera::MAX_DISTANCE);
+        Ok(())
     }
 
     /// The view that was asked for; the session file's, unless methods are named that it does not show.

@@ -26,7 +26,7 @@ impl Start<'_> {
     ///
     /// # Errors
     /// One sentence that names the file and the cause.
-    pub fn session(&self, change: impl FnOnce(&mut SessionFile)) -> anyhow::Result<Session> {
+    pub fn session(&self, change: impl FnOnce(&mut SessionFile) -> anyhow::Result<()>) -> anyhow::Result<Session> {
         let mut file = match self.session {
             Some(path) => SessionFile::read(path)?,
             None => SessionFile::default(),
@@ -46,7 +46,7 @@ impl Start<'_> {
             file.fit = fit.settings;
         }
         file.fit = self.fit.over(file.fit);
-        change(&mut file);
+        change(&mut file)?;
         let mut session = Session::with_opened(opened, Arc::new(|| {}));
         session.set_threads(self.fit.threads());
         session.apply(&file);

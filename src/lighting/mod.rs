@@ -1,5 +1,7 @@
 //! Lights.
 
-pub mod directional;
+pub mod light;
+pub mod lights;
 
-pub use directional::DirectionalLight;
+pub use light::{Light, ParseLightError};
+pub use lights::{Lights, MAX_LIGHTS};

@@ -106,7 +106,8 @@ impl SessionFile {
     /// A sentence that names the file and the cause.
     pub fn parse(name: &str, bytes: &[u8]) -> Result<Self, SessionFileError> {
         let error = |cause| SessionFileError::Parse { path: name.to_owned(), cause };
-        let all: Value = serde_json::from_slice(bytes).map_err(error)?;
+        let mut all: Value = serde_json::from_slice(bytes).map_err(error)?;
+        rename_old_keys(&mut all);
         let file: Self = serde_json::from_slice(bytes).map_err(error)?;
         let known = serde_json::to_value(&file).map_err(error)?;
         Ok(Self { unknown: unknown_keys::beyond(&all, &known), ..file })
@@ -162,6 +163,14 @@ impl SessionFile {
             MapReference::Path(path) => MapRequest::File { path, options },
             MapReference::Bundled(name) => MapRequest::Bundled { name, options },
         })
+    }
+}
+
+/// Gives keys that sessions once had their names of today, so that they count as known.
+fn rename_old_keys(all: &mut Value) {
+    let surface = all.get_mut("surface").and_then(Value::as_object_mut);
+    if let Some((surface, light)) = surface.and_then(|surface| surface.remove("light").map(|light| (surface, light))) {
+        surface.insert("lights".to_owned(), light);
     }
 }
 
@@ -249,6 +258,7 @@ impl Session {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lighting::Light;
 
     fn parse(text: &str) -> SessionFile {
         SessionFile::parse("a.ndfi.json", text.as_bytes()).expect("a session")
@@ -287,5 +297,16 @@ mod tests {
     fn what_is_no_session_is_said_with_its_name_and_place() {
         let error = SessionFile::parse("a.ndfi.json", br#"{"fit": 7}"#).expect_err("no settings").to_string();
         assert!(error.starts_with("'a.ndfi.json' is not a session file: ") && error.contains("line 1"), "{error}");
+    }
+
+    #[test]
+    fn a_session_of_one_light_is_read_as_before() {
+        let text = r#"{"surface": {"light": {"azimuth_deg": 12.0, "elevation_deg": 30.0, "intensity": 2.0}}}"#;
+        let file = SessionFile::parse("old.json", text.as_bytes()).expect("a session");
+        let light = Light { azimuth_deg: 12.0, elevation_deg: 30.0, intensity: 2.0, ..Light::DEFAULT };
+        assert_eq!(file.surface.lights, light.into());
+        assert_eq!(file.unknown_sentence(), None);
+        let written = file.to_json().expect("serialises");
+        assert_eq!(SessionFile::parse("new.json", written.as_bytes()).expect("a session").surface, file.surface);
     }
 }

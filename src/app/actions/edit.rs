@@ -28,8 +28,8 @@ pub fn actions() -> Vec<Action> {
         Action::new(Menu::Edit, "reset-material", "Reset material", |facts| {
             reset(facts, |surface, default| surface.material = default.material)
         }),
-        Action::new(Menu::Edit, "reset-light", "Reset light", |facts| {
-            reset(facts, |surface, default| surface.light = default.light)
+        Action::new(Menu::Edit, "reset-lights", "Reset lights", |facts| {
+            reset(facts, |surface, default| surface.lights = default.lights)
         }),
         Action::new(Menu::Edit, "reset-surface", "Reset surface", |facts| {
             reset(facts, |surface, default| {

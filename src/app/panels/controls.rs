@@ -17,6 +17,7 @@ use crate::scene::ShapeKind;
 use crate::sphere::vmf::KappaRule;
 
 mod level_figures;
+mod light;
 mod parameters;
 use parameters as p;
 
@@ -35,7 +36,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         heading(ui, "Material");
         material(ui, &mut surface);
         rule(ui);
-        light(ui, &mut surface);
+        light::show(ui, &mut surface.lights, &mut context.view.light);
         rule(ui);
         heading(ui, "Surface");
         shape(ui, &mut surface, context.session.map().level_sizes().len());
@@ -266,19 +267,6 @@ fn color(ui: &mut Ui, name: &str, value: &mut Vec3) {
     if response.changed() {
         *value = rgb.into();
     }
-}
-
-fn light(ui: &mut Ui, surface: &mut LitSurface) {
-    let light = &mut surface.light;
-    ui.horizontal(|ui| {
-        heading(ui, "Light");
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            color(ui, "Light colour", &mut light.color);
-        });
-    });
-    p::LIGHT_AZIMUTH.show_f32(ui, &mut light.azimuth_deg);
-    p::LIGHT_ELEVATION.show_f32(ui, &mut light.elevation_deg);
-    p::LIGHT_INTENSITY.show_f32(ui, &mut light.intensity);
 }
 
 fn shape(ui: &mut Ui, surface: &mut LitSurface, levels: usize) {

@@ -3,6 +3,7 @@
 pub mod controls;
 pub mod figures_panel;
 pub mod key_list;
+pub mod light_dome;
 pub mod lobe_table;
 pub mod map_panel;
 pub mod palette;

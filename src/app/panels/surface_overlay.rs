@@ -1,10 +1,10 @@
-//! What lies over the picture of the surface: names of the methods, the selected texel, the wipe, the light.
+//! What lies over the picture of the surface: names of the methods, the selected texel, the wipe.
 
 use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
 
 use super::PanelContext;
 use super::map_panel::badge;
-use super::surface_panel::{WIDE, dome_point, project};
+use super::surface_panel::{WIDE, project};
 use crate::app::theme;
 use crate::filter::Method;
 use crate::filter::vmf::{FitSettings, Fold, Selection};
@@ -145,18 +145,4 @@ fn seen(surface: &LitSurface, picture: Rect, u: f32, v: f32) -> Option<Pos2> {
     let (position, normal) = (glam::Vec3::from(vertex.position), glam::Vec3::from(vertex.normal));
     let facing = normal.dot(surface.camera.eye_in_world() - position) > 0.0;
     facing.then(|| project(surface, picture, position)).flatten()
-}
-
-/// The light on a dome seen from above, the camera at the bottom.
-pub fn light_dome(painter: &Painter, surface: &LitSurface, picture: Rect) {
-    let radius = 22.0;
-    let center = picture.right_bottom() - vec2(radius + 14.0, radius + 14.0);
-    painter.circle_filled(center, radius, theme::BADGE);
-    painter.circle_stroke(center, radius, Stroke::new(1.0, theme::WEAK.gamma_multiply(0.7)));
-    painter.circle_stroke(center, 0.5 * radius, Stroke::new(1.0, theme::WEAK.gamma_multiply(0.3)));
-    let point = dome_point(surface);
-    let at = center + radius * vec2(point.x, -point.y);
-    let color = if surface.light.elevation_deg >= 0.0 { theme::WARNING } else { theme::WEAK };
-    painter.line_segment([center, at], Stroke::new(1.0, color.gamma_multiply(0.6)));
-    painter.circle_filled(at, 4.0, color);
 }

@@ -3,12 +3,11 @@
 use egui::{CursorIcon, Id, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, vec2};
 use glam::Vec3;
 
-use super::{PanelContext, surface_overlay as overlay};
+use super::{PanelContext, light_dome, surface_overlay as overlay};
 use crate::app::viewport::SurfacePaint;
 use crate::app::{Command, theme};
 use crate::comparison::Comparison;
 use crate::filter::Method;
-use crate::lighting::DirectionalLight;
 use crate::lit_surface::LitSurface;
 use crate::reference::raster;
 
@@ -39,7 +38,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let painter = ui.painter_at(picture);
     overlay::outline(&painter, context, picture);
     overlay::badges(&painter, context, picture);
-    overlay::light_dome(&painter, &context.session.surface, picture);
+    light_dome::show(ui, context, picture);
     wipe(ui, context, picture);
 }
 
@@ -91,7 +90,7 @@ fn combo(ui: &mut Ui, name: &str, method: &mut Method) {
     });
 }
 
-/// Drag orbits, L + drag or right drag moves the light, the wheel dollies.
+/// Drag orbits, L + drag or right drag moves the selected light, the wheel dollies.
 fn steer(ui: &Ui, context: &mut PanelContext<'_>, response: &Response) {
     let mut surface = context.session.surface.clone();
     let delta = response.drag_delta();
@@ -99,7 +98,7 @@ fn steer(ui: &Ui, context: &mut PanelContext<'_>, response: &Response) {
     let moves_light =
         response.dragged_by(PointerButton::Secondary) || light_key && response.dragged_by(PointerButton::Primary);
     if moves_light {
-        drag_light(&mut surface, delta);
+        light_dome::drag(&mut surface, &context.view.light, delta);
     } else if response.dragged() {
         surface.camera.orbit(-0.4 * delta.x, 0.4 * delta.y);
     }
@@ -112,24 +111,6 @@ fn steer(ui: &Ui, context: &mut PanelContext<'_>, response: &Response) {
     if surface != context.session.surface {
         context.push(Command::SetSurface(surface));
     }
-}
-
-/// Moves the light's point on the dome over the surface as seen from the camera; a full drag is the dome's radius.
-fn drag_light(surface: &mut LitSurface, delta: Vec2) {
-    let point = dome_point(surface) + vec2(delta.x, -delta.y) / 220.0;
-    let length = point.length().clamp(1e-4, 0.9999);
-    let point = point.normalized() * length;
-    let elevation = length.acos().to_degrees().copysign(surface.light.elevation_deg);
-    let turned = point.y.atan2(point.x).to_degrees() + surface.camera.azimuth_deg;
-    let azimuth = (turned + 180.0).rem_euclid(360.0) - 180.0;
-    surface.light = DirectionalLight { azimuth_deg: azimuth, elevation_deg: elevation, ..surface.light };
-}
-
-/// The light on the dome over the surface, seen from above with the camera at the bottom: x right, y away.
-pub fn dome_point(surface: &LitSurface) -> Vec2 {
-    let radius = surface.light.elevation_deg.to_radians().cos();
-    let (sin, cos) = (surface.light.azimuth_deg - surface.camera.azimuth_deg).to_radians().sin_cos();
-    radius * vec2(cos, sin)
 }
 
 /// A click selects the texel that is shaded there, at the level in use.
@@ -175,21 +156,4 @@ pub fn project(surface: &LitSurface, picture: Rect, position: Vec3) -> Option<Po
     let clip = surface.camera.clip_from_world(picture.width() / picture.height()) * position.extend(1.0);
     let place = vec2(clip.x, -clip.y) / clip.w * 0.5 + Vec2::splat(0.5);
     (clip.w > 0.0).then(|| picture.min + place * picture.size())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn dragging_the_light_right_moves_it_right_whatever_the_camera() {
-        for camera_azimuth in [-120.0, 0.0, 75.0] {
-            let mut surface = LitSurface::default();
-            surface.camera.azimuth_deg = camera_azimuth;
-            let before = dome_point(&surface);
-            drag_light(&mut surface, vec2(30.0, 0.0));
-            let moved = dome_point(&surface) - before;
-            assert!(moved.x > 0.1 && moved.y.abs() < 1e-3, "{camera_azimuth}: {moved:?}");
-        }
-    }
 }

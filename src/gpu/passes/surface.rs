@@ -11,6 +11,7 @@ use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, texture_2
 use crate::gpu::rival_textures::RivalTextures;
 use crate::gpu::surface_pipelines::{SurfacePipelines, Variant};
 use crate::gpu::textures::MapTextures;
+use crate::lighting::{Light, MAX_LIGHTS};
 use crate::lit_surface::LitSurface;
 use crate::scene::ShapeKind;
 
@@ -47,14 +48,6 @@ pub struct FrameData {
     pub eye_in_world: [f32; 3],
     /// Blinn-Phong exponent s.
     pub shininess: f32,
-    /// Unit vector towards the light.
-    pub light_in_world: [f32; 3],
-    /// The level to read everywhere, where the rule asks for one.
-    pub fixed_level: f32,
-    /// Linear RGB of the light.
-    pub radiance: [f32; 3],
-    /// The convolution rule, by the shader's number.
-    pub convolution: u32,
     /// Linear RGB.
     pub specular_color: [f32; 3],
     /// Ks.
@@ -83,25 +76,54 @@ pub struct FrameData {
     pub sample_count: u32,
     /// The rule for the diffuse part, by the shader's number.
     pub diffuse_rule: u32,
+    /// The convolution rule, by the shader's number.
+    pub convolution: u32,
     /// The choice of level, by the shader's number.
     pub level_choice: u32,
     /// Most probes along the long axis of a pixel's footprint.
     pub most_probes: u32,
+    /// The level to read everywhere, where the rule asks for one.
+    pub fixed_level: f32,
+    /// Lights in use.
+    pub light_count: u32,
     /// Nothing.
-    pub padding: u32,
+    pub padding: [u32; 2],
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
+    /// The lights.
+    pub lights: [LightData; MAX_LIGHTS],
+}
+
+/// One light; `Light` in the shader.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct LightData {
+    /// Where it stands, in homogeneous coordinates.
+    pub position_in_world: [f32; 4],
+    /// Linear RGB, at a distance of 1 where it has one.
+    pub radiance: [f32; 3],
+    /// Nothing.
+    pub padding: u32,
+}
+
+impl LightData {
+    fn new(light: &Light) -> Self {
+        let (position, radiance) = (light.position_in_world(), light.radiance());
+        Self { position_in_world: position.to_array(), radiance: radiance.to_array(), padding: 0 }
+    }
 }
 
 impl FrameData {
     /// The part that follows from the surface and the picture's size; the rest is the map's, left 0.
     pub fn of_surface(surface: &LitSurface, size: [u32; 2]) -> Self {
         let material = &surface.material;
+        let lights = surface.lights.as_slice();
         Self {
+            lights: std::array::from_fn(|index| lights.get(index).map(LightData::new).unwrap_or_default()),
+            light_count: lights.len() as u32,
             clip_from_world: surface.camera.clip_from_world(size[0] as f32 / size[1] as f32).to_cols_array_2d(),
             eye_in_world: surface.camera.eye_in_world().to_array(),
             shininess: material.shininess,
-            light_in_world: surface.light.direction_in_world().to_array(),
             fixed_level: if let LevelChoice::Fixed(level) = surface.level { level } else { 0.0 },
             level_choice: match surface.level {
                 LevelChoice::Auto => 0,
@@ -109,7 +131,6 @@ impl FrameData {
                 LevelChoice::Fixed(_) => 2,
             },
             most_probes: surface.level_rule().most_probes,
-            radiance: surface.light.radiance().to_array(),
             convolution: match material.convolution {
                 ConvolutionRule::Paper => 0,
                 ConvolutionRule::ShiftedExponent => 1,

@@ -70,7 +70,7 @@ fn the_truth_starts_again_for_another_light_but_not_for_another_fit_exposure_or_
     scene.surface.exposure_stops = 1.0;
     both(&scene, &mut frame, 0.5);
     assert_eq!(frame.truth_samples(), 64);
-    scene.surface.light.azimuth_deg += 1.0;
+    scene.surface.lights.as_mut_slice()[0].azimuth_deg += 1.0;
     both(&scene, &mut frame, 0.5);
     assert_eq!(frame.truth_samples(), 16);
     let other = Scene::new(maps::rough(16, 16, Addressing::Clamp), 2);
@@ -156,7 +156,7 @@ fn a_bump_lit_from_the_top_left_is_bright_at_its_top_left() {
     let mut scene = Scene::new(maps::bump(), 1);
     scene.surface.camera.elevation_deg = 89.9;
     scene.surface.shape.tiling = [1.0, 1.0];
-    scene.surface.light.azimuth_deg = 135.0;
+    scene.surface.lights.as_mut_slice()[0].azimuth_deg = 135.0;
     for method in [Method::Truth, Method::MIP] {
         let mut frame = frame(16, 16);
         step(&mut frame, &scene.input(method));

@@ -24,7 +24,8 @@ fn seen_from(side: f32, align: Alignment) -> Scene {
     // The camera's azimuth counts from -y, the light's from +x.
     (surface.camera.azimuth_deg, surface.camera.elevation_deg) = (side * 90.0, 40.0);
     surface.camera.distance = 8.0;
-    (surface.light.azimuth_deg, surface.light.elevation_deg) = (90.0 - side * 90.0, 45.0);
+    let light = &mut surface.lights.as_mut_slice()[0];
+    (light.azimuth_deg, light.elevation_deg) = (90.0 - side * 90.0, 45.0);
     (surface.material.diffuse_color, surface.material.specular_color) = (Vec3::ONE, Vec3::ONE);
     (surface.material.convolution, surface.material.diffuse_rule) = (ConvolutionRule::Exact, DiffuseRule::Exact);
     Scene { mip: Arc::new(PlainMip::new(map)), lobes, fold: Fold::default(), surface, size: [192, 144] }

@@ -5,7 +5,7 @@ use std::mem::offset_of;
 use ndf_inspector::filter::rival::RIVALS;
 use ndf_inspector::gpu::passes::compare::{self, CompareData};
 use ndf_inspector::gpu::passes::sphere::{self, gpu_data};
-use ndf_inspector::gpu::passes::surface::{self, FrameData};
+use ndf_inspector::gpu::passes::surface::{self, FrameData, LightData};
 use ndf_inspector::gpu::rival_textures::RivalData;
 use wgpu::naga;
 
@@ -40,10 +40,6 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         clip_from_world,
         eye_in_world,
         shininess,
-        light_in_world,
-        fixed_level,
-        radiance,
-        convolution,
         specular_color,
         specular,
         diffuse_color,
@@ -58,12 +54,17 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         first_sample,
         sample_count,
         diffuse_rule,
+        convolution,
         level_choice,
         most_probes,
+        fixed_level,
+        light_count,
         padding,
         fold,
+        lights,
     });
     assert_eq!(layout(&module, "Frame"), rust);
+    assert_eq!(layout(&module, "Light"), rust_layout!(LightData { position_in_world, radiance, padding }));
 }
 
 #[test]

@@ -10,6 +10,7 @@ use ndf_inspector::filter::{
     Filter, LocalLight, Lookup, Method, PixelFootprint, Rival, Truth, UnalignedVmf, VmfFilter,
 };
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame};
+use ndf_inspector::lighting::Light;
 use ndf_inspector::normal_map::Addressing;
 use ndf_inspector::reference::{self, Picture};
 use ndf_inspector::scene::{Shape, ShapeKind};
@@ -223,9 +224,50 @@ fn the_exact_rules_have_twins_on_every_shape() {
             scene.surface.material.convolution = ConvolutionRule::Exact;
             scene.surface.material.diffuse_rule = DiffuseRule::Exact;
             // Low, so that the horizon is seen, where the two diffuse rules differ most.
-            scene.surface.light.elevation_deg = 15.0;
+            scene.surface.lights.as_mut_slice()[0].elevation_deg = 15.0;
             scene.surface.material.diffuse = 1.0;
             assert_twins(&scene, method, &format!("{method} exactly on {kind:?}"));
+        }
+    }
+}
+
+#[test]
+fn every_kind_of_light_has_a_twin_by_every_method_and_so_have_eight_together() {
+    let far = Light { azimuth_deg: -20.0, elevation_deg: 30.0, color: Vec3::new(1.0, 0.7, 0.4), ..Light::DEFAULT };
+    let near = Light { azimuth_deg: 100.0, elevation_deg: 40.0, intensity: 3.0, distance: Some(1.6), ..far };
+    let crowd: Vec<Light> = (0..8)
+        .map(|index| Light {
+            azimuth_deg: 45.0 * index as f32 - 170.0,
+            intensity: 0.4,
+            distance: (index % 2 == 1).then_some(1.0 + 0.2 * index as f32),
+            ..far
+        })
+        .collect();
+    for lights in [&[far][..], &[near], &crowd] {
+        let mut scene = Scene::new(maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color), 6);
+        scene.surface.shape = Shape { kind: ShapeKind::Torus, tiling: [2.0, 2.0] };
+        scene.surface.lights = lights.try_into().expect("eight at most");
+        for method in methods() {
+            assert_twins(&scene, method, &format!("{method} by {} lights", lights.len()));
+        }
+    }
+}
+
+#[test]
+fn without_lights_the_surface_is_black_and_two_give_the_sum_of_both() {
+    let scene = |lights: &[Light]| {
+        let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 6);
+        scene.surface.lights = lights.try_into().expect("eight at most");
+        scene
+    };
+    let near = Light { azimuth_deg: -60.0, distance: Some(2.0), ..Light::DEFAULT };
+    for method in [Method::Truth, Method::MIP, Method::Vmf, Method::VmfUnaligned] {
+        let picture = |lights: &[Light]| on_adapter(&scene(lights), method).rgb;
+        let (both, first, second) = (picture(&[Light::DEFAULT, near]), picture(&[Light::DEFAULT]), picture(&[near]));
+        assert!(picture(&[]).iter().all(|color| *color == Vec3::ZERO), "{method}");
+        for ((both, first), second) in both.iter().zip(first).zip(second) {
+            // Rounding of the truth's running mean.
+            assert!((*both - first - second).abs().max_element() <= 1e-5, "{method}: {both} of {first} and {second}");
         }
     }
 }

@@ -227,10 +227,53 @@ fn dragging_orbits_and_dragging_with_the_right_button_moves_the_light() {
     let at = window.get_by_label("Surface view").rect().center() + vec2(60.0, 40.0);
     drag(&mut window, at, vec2(50.0, 0.0), PointerButton::Primary);
     let orbited = window.state().inspector.session.surface.clone();
-    assert!(orbited.camera != before.camera && orbited.light == before.light);
+    assert!(orbited.camera != before.camera && orbited.lights == before.lights);
     drag(&mut window, at, vec2(50.0, 0.0), PointerButton::Secondary);
     let lit = window.state().inspector.session.surface.clone();
-    assert!(lit.camera == orbited.camera && lit.light != orbited.light);
+    assert!(lit.camera == orbited.camera && lit.lights != orbited.lights);
+}
+
+#[test]
+fn lights_are_added_selected_moved_by_their_handle_and_removed() {
+    let mut window = window(fitted("pyramid5", 64));
+    let lights = |window: &Window| window.state().inspector.session.surface.lights.as_slice().to_vec();
+    window.get_by_label("Add light").click();
+    window.run();
+    window.get_by_label("Kind of light: Point").click();
+    window.run();
+    let before = lights(&window);
+    assert!(before.len() == 2 && before[0].distance.is_none() && before[1].distance.is_some());
+    // Light 1 stands at the upper left of the dome, seen by the camera that starts at azimuth 0.
+    let dome = window.get_by_label("Light dome").rect().center();
+    let (sin, cos) = before[0].azimuth_deg.to_radians().sin_cos();
+    let handle = dome + 22.0 * before[0].elevation_deg.to_radians().cos() * vec2(cos, -sin);
+    drag(&mut window, handle, vec2(10.0, 8.0), PointerButton::Primary);
+    let moved = lights(&window);
+    assert!(window.state().inspector.view.light.selected == 0, "the handle that was dragged is selected");
+    assert!(moved[0].azimuth_deg != before[0].azimuth_deg && moved[1] == before[1]);
+    window.get_by_label("Light 2").click();
+    window.run();
+    window.get_by_label("Remove light").click();
+    window.run();
+    assert_eq!(lights(&window), moved[..1]);
+}
+
+#[test]
+fn a_sweep_turns_the_selected_light_and_asks_for_frames_only_while_it_plays() {
+    let mut window = window(fitted("pyramid5", 64));
+    settle(&mut window);
+    let azimuth = |window: &Window| window.state().inspector.session.surface.lights.as_slice()[0].azimuth_deg;
+    let delay = |window: &Window| window.output().viewport_output[&ViewportId::ROOT].repaint_delay;
+    let still = azimuth(&window);
+    window.get_by_label("Sweep").click();
+    window.run_steps(5);
+    assert!(azimuth(&window) != still && delay(&window) == Duration::ZERO);
+    window.get_by_label("Sweep").click();
+    window.run_steps(3);
+    let stopped = azimuth(&window);
+    settle(&mut window);
+    window.step();
+    assert!(azimuth(&window).to_bits() == stopped.to_bits() && delay(&window) == Duration::MAX);
 }
 
 #[test]

@@ -1,16 +1,19 @@
 //! Every parameter of the controls: name, range, default, unit, tooltip.
 
+use crate::app::light_view::LightView;
 use crate::app::parameter::Parameter;
 use crate::brdf::{ConvolutionRule, DiffuseRule, Material};
 use crate::filter::LevelChoice;
 use crate::filter::probes::MOST_PROBES;
 use crate::filter::vmf::{Alignment, Objective, Selection};
-use crate::lighting::DirectionalLight;
+use crate::lighting::Light;
 use crate::session::Session;
 use crate::session::opening::DEFAULT_HEIGHT_SCALE;
 
 const MATERIAL: Material = Material::DEFAULT;
-const LIGHT: DirectionalLight = DirectionalLight::DEFAULT;
+const LIGHT: Light = Light::DEFAULT;
+/// Of a light that becomes a point light: outside every shape.
+pub(super) const DEFAULT_LIGHT_DISTANCE: f32 = 2.5;
 
 /// A dimensionless parameter on a linear scale.
 const PLAIN: Parameter =
@@ -174,7 +177,7 @@ pub(super) const LIGHT_AZIMUTH: Parameter = Parameter {
     default: LIGHT.azimuth_deg as f64,
     unit: "°",
     decimals: 1,
-    tooltip: "Where the light stands, from +x towards +y.",
+    tooltip: "Where the selected light stands, from +x towards +y.",
     ..PLAIN
 };
 pub(super) const LIGHT_ELEVATION: Parameter = Parameter {
@@ -183,15 +186,32 @@ pub(super) const LIGHT_ELEVATION: Parameter = Parameter {
     default: LIGHT.elevation_deg as f64,
     unit: "°",
     decimals: 1,
-    tooltip: "How high the light stands over the plane.",
+    tooltip: "How high the selected light stands over the plane.",
+    ..PLAIN
+};
+pub(super) const LIGHT_DISTANCE: Parameter = Parameter {
+    name: "Light distance",
+    range: [Light::MIN_DISTANCE as f64, Light::MAX_DISTANCE as f64],
+    default: DEFAULT_LIGHT_DISTANCE as f64,
+    logarithmic: true,
+    tooltip: "From the surface's centre to the selected light, which falls off by the inverse square.",
     ..PLAIN
 };
 pub(super) const LIGHT_INTENSITY: Parameter = Parameter {
     name: "Light intensity",
-    range: [0.0, 20.0],
+    range: [0.0, 1000.0],
     default: LIGHT.intensity as f64,
     logarithmic: true,
-    tooltip: "Factor on the light's colour.",
+    tooltip: "Factor on the light's colour; of a point light, at a distance of 1.",
+    ..PLAIN
+};
+pub(super) const SWEEP_SPEED: Parameter = Parameter {
+    name: "Sweep speed",
+    range: [-180.0, 180.0],
+    default: LightView::SWEEP_DEG_PER_S as f64,
+    unit: "°/s",
+    decimals: 0,
+    tooltip: "How fast the selected light turns around the surface while the sweep plays.",
     ..PLAIN
 };
 pub(super) const TILING_U: Parameter = Parameter {
@@ -247,6 +267,7 @@ mod tests {
     fn a_reset_brings_back_what_a_new_session_has() {
         let surface = LitSurface::default();
         let fit = FitSettings::default();
+        let light = surface.lights.as_slice()[0];
         let pairs = [
             (LOBES, fit.lobes as f64),
             (ITERATIONS, fit.iterations as f64),
@@ -254,9 +275,9 @@ mod tests {
             (SHININESS, f64::from(surface.material.shininess)),
             (SPECULAR, f64::from(surface.material.specular)),
             (DIFFUSE, f64::from(surface.material.diffuse)),
-            (LIGHT_AZIMUTH, f64::from(surface.light.azimuth_deg)),
-            (LIGHT_ELEVATION, f64::from(surface.light.elevation_deg)),
-            (LIGHT_INTENSITY, f64::from(surface.light.intensity)),
+            (LIGHT_AZIMUTH, f64::from(light.azimuth_deg)),
+            (LIGHT_ELEVATION, f64::from(light.elevation_deg)),
+            (LIGHT_INTENSITY, f64::from(light.intensity)),
             (TILING_U, f64::from(surface.shape.tiling[0])),
             (TILING_V, f64::from(surface.shape.tiling[1])),
             (EXPOSURE, f64::from(surface.exposure_stops)),
