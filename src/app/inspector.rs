@@ -92,6 +92,7 @@ impl Inspector {
         self.brdf.update(&self.session, &self.wake);
         self.trace.update(&self.session, self.view.show_trace, &self.wake);
         self.view.light.sweep(&mut self.session.surface.lights, ctx);
+        self.view.dolly.run(&mut self.session.surface.camera, ctx);
         if self.surroundings.live && self.session.fitting().is_running() {
             // Jobs wake the window for each level; the bars in between move ten times a second.
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
@@ -105,7 +106,7 @@ impl Inspector {
         let computing = fitting.is_running() || fitting.is_measuring() || session.is_building();
         let computing = computing || session.is_saving() || self.figures.is_running() || self.figures.is_saving();
         let gathering = self.report.is_gathering() || self.brdf.is_running() || self.trace.is_running();
-        let busy = computing || gathering || session.is_opening() || self.view.light.is_sweeping;
+        let busy = computing || gathering || session.is_opening() || self.view.is_playing();
         !busy && !self.surroundings.target.status.get().wants_more
     }
 
@@ -156,12 +157,12 @@ impl Inspector {
         }
     }
 
-    /// Takes note of the document, unless something is held or still moves: a drag is one step.
+    /// Takes note of the document, unless something is held or still moves: a drag is one step, and so is a dolly.
     fn record(&mut self, ctx: &egui::Context) {
         let moves = ctx.input(|input| {
             input.pointer.any_down() || !input.keys_down.is_empty() || input.smooth_scroll_delta() != egui::Vec2::ZERO
         });
-        if !moves && !self.view.light.is_sweeping && !self.session.is_opening() {
+        if !moves && !self.view.is_playing() && !self.session.is_opening() {
             self.history.record(document::contents(&self.session, &self.view));
         }
     }

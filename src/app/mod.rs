@@ -16,6 +16,7 @@
 //! | `trace_report` | how the selected texel's fit went, on demand |
 //! | `figures_report` | the sweeps of the open map, measured and saved in the background |
 //! | `figures_plot`, `figures_file` | a sweep as a plot; as CSV, JSON or PNG |
+//! | `dolly` | the camera that runs away and back |
 //! | `map_picture` | levels as pictures |
 //! | `viewport` | the bridge to the GPU: paint callbacks of surface and sphere |
 //! | `parameter` | sliders built from a parameter's description |
@@ -26,6 +27,7 @@ pub mod actions;
 pub mod brdf_report;
 pub mod command;
 pub mod document;
+pub mod dolly;
 pub mod figures_file;
 pub mod figures_plot;
 pub mod figures_report;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::dolly::Dolly;
 use super::light_view::LightView;
 use crate::filter::{Method, Rival};
 use crate::gpu::passes::sphere::SphereLayers;
@@ -136,6 +137,9 @@ pub struct ViewState {
     pub sphere_layers: SphereLayers,
     /// Which repeat of the map carries the selected texel's outline on the surface, counted across and down.
     pub pinned_repeat: [u32; 2],
+    /// Whether the camera runs away and back.
+    #[serde(skip)]
+    pub dolly: Dolly,
     /// Whether the trace of the selected texel's fit is shown.
     pub show_trace: bool,
     /// The path that is being typed.
@@ -150,4 +154,11 @@ pub struct ViewState {
     /// The search for an action.
     #[serde(skip)]
     pub palette: PaletteView,
+}
+
+impl ViewState {
+    /// True while a light or the camera moves by itself.
+    pub fn is_playing(&self) -> bool {
+        self.light.is_sweeping || self.dolly.is_playing
+    }
 }

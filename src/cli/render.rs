@@ -8,7 +8,7 @@ use clap::Args;
 use super::look::LookArguments;
 use super::options::{FitArguments, MapArguments, wait_for_fit};
 use super::start::Start;
-use crate::comparison::View;
+use crate::comparison::{MOST_METHODS, View};
 use crate::filter::{MethodChoice, Rival};
 use crate::gpu::context::Gpu;
 use crate::gpu::{FrameInput, render_to_rgba8};
@@ -58,6 +58,10 @@ pub struct SceneArguments {
     /// How methods stand beside each other: wipe, flip, difference, grid-2x2 or grid-3x3.
     #[arg(long, value_name = "VIEW", conflicts_with = "method")]
     pub view: Option<View>,
+    /// The methods of a grid, row by row from the top, with commas between them: four are seen 2x2, up to nine 3x3,
+    /// unless --view says otherwise.
+    #[arg(long, value_name = "METHODS", value_delimiter = ',', conflicts_with_all = ["method", "left", "right", "wipe"])]
+    pub methods: Vec<MethodChoice>,
     /// Where the wipe stands, from 0 (left edge) to 1.
     #[arg(long, value_name = "FRACTION")]
     pub wipe: Option<f32>,
@@ -102,6 +106,8 @@ impl SceneArguments {
     /// # Errors
     /// One sentence that names the file and the cause.
     pub fn session(&self) -> anyhow::Result<Session> {
+        let count = self.methods.len();
+        anyhow::ensure!(count <= MOST_METHODS, "--methods names {count} methods; a grid has room for {MOST_METHODS}.");
         let start = Start {
             map: self.map.as_deref(),
             map_arguments: &self.map_arguments,
@@ -113,12 +119,15 @@ impl SceneArguments {
 
     fn apply_to(&self, file: &mut SessionFile) -> anyhow::Result<()> {
         let comparison = &mut file.comparison;
-        let chosen = [self.left, self.right, self.method];
-        file.fit.lobes = chosen.into_iter().flatten().find_map(|choice| choice.lobes).unwrap_or(file.fit.lobes);
+        let mut chosen = [self.left, self.right, self.method].into_iter().flatten().chain(self.methods.iter().copied());
+        file.fit.lobes = chosen.find_map(|choice| choice.lobes).unwrap_or(file.fit.lobes);
         comparison.left = self.left.map_or(comparison.left, |choice| choice.method);
         comparison.right = self.right.map_or(comparison.right, |choice| choice.method);
         comparison.wipe = self.wipe.unwrap_or(comparison.wipe).clamp(0.0, 1.0);
         comparison.view = self.view_over(comparison.view);
+        for (cell, choice) in comparison.grid.iter_mut().zip(&self.methods) {
+            *cell = choice.method;
+        }
         if let Some(choice) = self.method {
             (comparison.right, comparison.wipe) = (choice.method, 0.0);
         }
@@ -133,8 +142,13 @@ impl SceneArguments {
     /// The view that was asked for; the session file's, unless methods are named that it does not show.
     fn view_over(&self, view: View) -> View {
         let of_two = self.left.is_some() || self.right.is_some();
+        let of_grid = match self.methods.len() {
+            0 => None,
+            1..=4 => Some(View::Grid2x2),
+            _ => Some(View::Grid3x3),
+        };
         let of_wipe = self.method.is_some() || self.wipe.is_some() || of_two && view.grid_side().is_some();
-        self.view.unwrap_or(if of_wipe { View::Wipe } else { view })
+        self.view.or(of_grid).unwrap_or(if of_wipe { View::Wipe } else { view })
     }
 }
 

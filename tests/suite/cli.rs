@@ -261,6 +261,26 @@ fn render_gives_the_same_bytes_twice_and_a_picture_that_is_not_flat() {
 }
 
 #[test]
+fn a_grid_shows_the_methods_that_it_is_given() {
+    let folder = folder();
+    let render = |name: &str, more: &[&str]| {
+        let arguments = [&["render", "v-groove", "--size", "64x48", "--samples", "16", "-o", name], more].concat();
+        let output = run(&folder, &arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        image::open(folder.path().join(name)).expect("a picture").to_rgb8()
+    };
+    let grid = render("grid.png", &["--methods", "mip,toksvig,truth,vmf:1"]);
+    assert_eq!(grid, render("same.png", &["--view", "grid-2x2", "--methods", "mip,toksvig,truth,vmf:1"]));
+    let other = render("other.png", &["--methods", "mip,toksvig,truth,mip"]);
+    let differ = |right: bool, low: bool| {
+        let inside = |x, y| (x >= 32) == right && (y >= 24) == low;
+        grid.enumerate_pixels().any(|(x, y, pixel)| inside(x, y) && other.get_pixel(x, y) != pixel)
+    };
+    assert!(differ(true, true) && !differ(false, false) && !differ(true, false) && !differ(false, true));
+    assert_refused(&run(&folder, &["render", "v-groove", "--methods", &["mip"; 10].join(","), "-o", "n.png"]), "10");
+}
+
+#[test]
 fn a_session_file_is_obeyed_and_flags_go_over_it() {
     let folder = folder();
     std::fs::create_dir(folder.path().join("maps")).expect("made");

@@ -73,6 +73,8 @@ fn zoom() -> Vec<Action> {
         })
         .key(Modifiers::NONE, Key::Minus)
         .repeating(),
+        of_view("dolly", "Run or stop the dolly", |view| view.dolly.is_playing = !view.dolly.is_playing)
+            .key(Modifiers::NONE, Key::P),
     ]
 }
 

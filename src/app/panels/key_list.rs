@@ -8,10 +8,11 @@ use crate::app::theme;
 use crate::app::view_state::Overlay;
 
 /// What the pointer does, and keys that are held.
-const GESTURES: [(&str, &str); 6] = [
+const GESTURES: [(&str, &str); 7] = [
     ("Drag on the surface", "orbit"),
     ("L + drag, or right drag", "move the light"),
     ("Wheel", "dolly, or zoom the map"),
+    ("Hold the space bar", "see the right method over all of the picture"),
     ("Click on surface, map or level", "select the texel"),
     ("Drag on the sphere", "turn it"),
     ("Double click a control", "reset it"),

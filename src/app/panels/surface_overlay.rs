@@ -1,96 +1,17 @@
-//! What lies over the picture of the surface: names of the methods, the selected texel, the wipe.
+//! What lies over the picture of the surface: the selected texel, the wipe's handle, the hint.
 
-use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
+use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
+use glam::Vec3;
 
 use super::PanelContext;
 use super::map_panel::badge;
-use super::surface_panel::{WIDE, project};
 use crate::app::theme;
-use crate::filter::Method;
-use crate::filter::vmf::{FitSettings, Fold, Selection};
 use crate::lit_surface::LitSurface;
-use crate::session::fitting::LevelState;
 
-/// The names of both methods on their sides, with what there is to say of each.
-pub fn badges(painter: &Painter, context: &PanelContext<'_>, picture: Rect) {
-    let comparison = context.session.comparison;
-    let both = comparison.left != comparison.right;
-    if comparison.wipe > 0.02 || !both {
-        method_badges(painter, context, comparison.left, picture.left_top() + vec2(12.0, 12.0), Align2::LEFT_TOP);
-    }
-    if comparison.wipe < 0.98 && both {
-        let corner = picture.right_top() + vec2(-12.0, 12.0);
-        method_badges(painter, context, comparison.right, corner, Align2::RIGHT_TOP);
-    }
-    if picture.width() < WIDE {
-        return;
-    }
-    let hint = "drag: orbit · L + drag: light · wheel: dolly · click: select";
-    badge(painter, picture.left_bottom() + vec2(12.0, -12.0), Align2::LEFT_BOTTOM, hint, theme::WEAK);
-}
-
-fn method_badges(painter: &Painter, context: &PanelContext<'_>, method: Method, at: Pos2, align: Align2) {
-    let text = match method {
-        Method::Truth => {
-            let report = context.surroundings.target.status.get();
-            let (label, samples) = (method.label(), report.truth_samples);
-            // Without the finest levels it is the truth of a smoother map.
-            let level = if report.left_out > 0 { format!(" of level {}", report.left_out) } else { String::new() };
-            format!("{label}{level} · {samples} of {} samples per pixel", context.session.truth_samples)
-        }
-        Method::Rival(_) => method.label(),
-        Method::Vmf | Method::VmfUnaligned => {
-            format!("{} · J = {}", method.label(), lobe_count(context.session.fit_settings()))
-        }
-    };
-    let rect = badge(painter, at, align, &text, theme::STRONG);
-    let note = if method.shows_lobes() { lobes_note(context) } else { channels_note(context, method) };
-    if let Some((note, color)) = note {
-        let below = pos2(if align == Align2::LEFT_TOP { rect.left() } else { rect.right() }, rect.bottom() + 4.0);
-        badge(painter, below, align, &note, color);
-    }
-}
-
-/// What keeps a rival from being shown.
-fn channels_note(context: &PanelContext<'_>, method: Method) -> Option<(String, Color32)> {
-    let rival = method.rival()?;
-    let text = if !rival.is_drawn() {
-        "too many bands to draw"
-    } else if context.session.is_building() && context.session.channels_of(method).is_none() && rival.kind.has_channels
-    {
-        "being built"
-    } else {
-        return None;
-    };
-    Some((text.to_owned(), theme::WARNING))
-}
-
-/// How many lobes a texel gets, as the badge says it.
-fn lobe_count(settings: &FitSettings) -> String {
-    match settings.selection {
-        Selection::Fixed => settings.lobes.to_string(),
-        Selection::BrdfError { percent } => format!("auto {percent} %"),
-        Selection::Bic => "BIC".to_owned(),
-    }
-}
-
-/// What keeps the lobes shown from being the fit that was asked for.
-fn lobes_note(context: &PanelContext<'_>) -> Option<(String, Color32)> {
-    let fitting = context.session.fitting();
-    let count = |state| fitting.levels().iter().filter(|level| level.state == state).count();
-    let done = count(LevelState::Done);
-    let levels = fitting.levels().len();
-    if fitting.is_complete() {
-        return None;
-    }
-    let text = if fitting.fold() != Fold::default() || count(LevelState::Earlier) > 0 {
-        format!("preview · {done} of {levels} levels fitted")
-    } else if count(LevelState::Unaligned) > 0 {
-        format!("preview, not aligned · {done} of {levels} levels fitted")
-    } else {
-        format!("{done} of {levels} levels fitted")
-    };
-    Some((text, theme::WARNING))
+/// What the pointer does, in a line with its bottom left corner at `at`.
+pub fn hint(painter: &Painter, at: Pos2) -> Rect {
+    let text = "drag: orbit · L + drag: light · wheel: dolly · click: select";
+    badge(painter, at, Align2::LEFT_BOTTOM, text, theme::WEAK)
 }
 
 /// The wipe's handle.
@@ -105,7 +26,7 @@ pub fn wipe_handle(painter: &Painter, handle: Rect, hot: bool) {
     }
 }
 
-/// The outline of the selected texel's footprint on the surface.
+/// The outline of the selected texel's footprint on the surface, in the picture of one method.
 pub fn outline(painter: &Painter, context: &PanelContext<'_>, picture: Rect) {
     let surface = &context.session.surface;
     let selected = context.session.selected();
@@ -142,7 +63,14 @@ fn seen(surface: &LitSurface, picture: Rect, u: f32, v: f32) -> Option<Pos2> {
         return None;
     }
     let vertex = surface.shape.kind.vertex(u, v);
-    let (position, normal) = (glam::Vec3::from(vertex.position), glam::Vec3::from(vertex.normal));
+    let (position, normal) = (Vec3::from(vertex.position), Vec3::from(vertex.normal));
     let facing = normal.dot(surface.camera.eye_in_world() - position) > 0.0;
     facing.then(|| project(surface, picture, position)).flatten()
+}
+
+/// Where a point of the world is seen in the picture; `None` behind the eye.
+fn project(surface: &LitSurface, picture: Rect, position: Vec3) -> Option<Pos2> {
+    let clip = surface.camera.clip_from_world(picture.width() / picture.height()) * position.extend(1.0);
+    let place = vec2(clip.x, -clip.y) / clip.w * 0.5 + Vec2::splat(0.5);
+    (clip.w > 0.0).then(|| picture.min + place * picture.size())
 }

@@ -1,137 +1,89 @@
-//! The lit surface: two methods beside each other at a wipe, and what the pointer does there.
+//! The lit surface: two methods beside each other, or a grid of them, and what the pointer does there.
 
-use egui::{CursorIcon, Id, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, vec2};
-use glam::Vec3;
+use egui::{CursorIcon, Id, Pos2, Rect, Sense, Ui, UiBuilder, vec2};
 
 use super::{PanelContext, light_dome, surface_overlay as overlay};
 use crate::app::viewport::SurfacePaint;
 use crate::app::{Command, theme};
-use crate::comparison::Comparison;
-use crate::filter::Method;
-use crate::lit_surface::LitSurface;
-use crate::reference::raster;
+use crate::comparison::{Arrangement, Comparison};
 
-/// Height of the bar with the methods.
-const BAR: f32 = 32.0;
-/// From this width on the bar has room for the wipe, and the picture for the hint.
-pub const WIDE: f32 = 480.0;
+mod badges;
+mod cells;
+mod difference_scale;
+mod methods;
+mod seeing;
+mod steering;
+
+pub use cells::Cells;
+
+/// Margin around the bar's rows, and between them.
+const MARGIN: f32 = 6.0;
+/// From this width on the bar has room for all of its controls, and the picture for the hint.
+pub const ROOMY: f32 = 480.0;
 
 /// Shows the bar and the picture.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
+    let (mut surface, mut comparison) = (context.session.surface.clone(), context.session.comparison);
     let whole = ui.available_rect_before_wrap();
-    let (bar, picture) = whole.split_top_bottom_at_y(whole.top() + BAR);
+    let (bar, picture) = whole.split_top_bottom_at_y(whole.top() + bar_height(&comparison));
     ui.painter().rect_filled(bar, 0.0, theme::PANEL);
-    ui.scope_builder(egui::UiBuilder::new().max_rect(bar.shrink2(vec2(12.0, 6.0))), |ui| methods(ui, context));
+    let flips = ui
+        .scope_builder(UiBuilder::new().max_rect(bar.shrink2(vec2(12.0, MARGIN))), |ui| {
+            ui.spacing_mut().item_spacing.y = MARGIN;
+            seeing::show(ui, context.view, &mut comparison.view, &mut surface.camera);
+            context.session.comparison.view.grid_side().is_none() && methods::show(ui, &mut comparison)
+        })
+        .inner;
+    let arrangement = context.session.comparison.arrangement(flips || space_is_held(ui));
     let response = ui.allocate_rect(picture, Sense::click_and_drag()).accessible_name("Surface view");
-    let size = (picture.size() * ui.pixels_per_point()).round().max(Vec2::splat(1.0));
-    let size = [size.x as u32, size.y as u32];
-    let paint = SurfacePaint::new(
-        context.session,
-        context.session.comparison.arrangement(false),
-        size,
-        &context.surroundings.target,
-        ui.ctx(),
-    );
+    let cells = Cells::new(arrangement, picture, ui.pixels_per_point());
+    let target = &context.surroundings.target;
+    let paint = SurfacePaint::new(context.session, arrangement, cells.size, target, ui.ctx());
     ui.painter().add(paint.shape(picture));
-    steer(ui, context, &response);
-    pick(context, &response, picture, size);
-    let painter = ui.painter_at(picture);
-    overlay::outline(&painter, context, picture);
-    overlay::badges(&painter, context, picture);
+    steering::steer(ui, &response, &mut surface, &context.view.light);
+    steering::pick(context, &response, &cells);
+    draw_over(ui, context, &cells);
     light_dome::show(ui, context, picture);
-    wipe(ui, context, picture);
-}
-
-fn methods(ui: &mut Ui, context: &mut PanelContext<'_>) {
-    let mut comparison = context.session.comparison;
-    let roomy = ui.available_width() > WIDE;
-    ui.horizontal_centered(|ui| {
-        combo(ui, "Left method", &mut comparison.left);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            combo(ui, "Right method", &mut comparison.right);
-            if roomy {
-                between(ui, &mut comparison);
-            }
-        });
-    });
+    if let Arrangement::Wipe(_) = arrangement {
+        wipe(ui, &mut comparison, picture);
+    }
+    cell_methods(ui, &mut comparison, &cells);
+    if surface != context.session.surface {
+        context.push(Command::SetSurface(surface));
+    }
     if comparison != context.session.comparison {
         context.push(Command::SetComparison(comparison));
     }
 }
 
-/// What stands between the methods: exchange them, and the wipe.
-fn between(ui: &mut Ui, comparison: &mut Comparison) {
-    if ui.button("Swap").on_hover_text("Exchange left and right").clicked() {
-        std::mem::swap(&mut comparison.left, &mut comparison.right);
-    }
-    ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-        ui.label(egui::RichText::new("Wipe").color(theme::WEAK));
-        ui.spacing_mut().slider_width = (ui.available_width() - theme::GRID).max(40.0);
-        ui.spacing_mut().interact_size.y = theme::HANDLE;
-        let slider = egui::Slider::new(&mut comparison.wipe, 0.0..=1.0).show_value(false);
-        let response = ui.add(slider).interact(Sense::click()).accessible_name("Wipe");
-        let response = response.on_hover_text("How much of the picture the left method gets");
-        if response.double_clicked() {
-            comparison.wipe = Comparison::default().wipe;
-        }
-    });
+fn bar_height(comparison: &Comparison) -> f32 {
+    let rows = if comparison.view.grid_side().is_none() { 2.0 } else { 1.0 };
+    MARGIN + rows * (theme::ROW + MARGIN)
 }
 
-fn combo(ui: &mut Ui, name: &str, method: &mut Method) {
-    let mut methods: Vec<(Method, String)> = Method::offered().map(|method| (method, method.label())).collect();
-    if methods.iter().all(|(offered, _)| offered != method) {
-        // A session file may name a parameter that is not offered.
-        methods.push((*method, method.label()));
-    }
-    let methods: Vec<(Method, &str)> = methods.iter().map(|(method, label)| (*method, label.as_str())).collect();
-    ui.scope(|ui| {
-        ui.set_width(104.0);
-        crate::app::parameter::combo(ui, name, method, &methods);
-    });
+/// The space bar flips, unless it is typed or presses what has the focus.
+fn space_is_held(ui: &Ui) -> bool {
+    ui.memory(|memory| memory.focused().is_none()) && ui.input(|input| input.key_down(egui::Key::Space))
 }
 
-/// Drag orbits, L + drag or right drag moves the selected light, the wheel dollies.
-fn steer(ui: &Ui, context: &mut PanelContext<'_>, response: &Response) {
-    let mut surface = context.session.surface.clone();
-    let delta = response.drag_delta();
-    let light_key = ui.input(|input| input.key_down(egui::Key::L));
-    let moves_light =
-        response.dragged_by(PointerButton::Secondary) || light_key && response.dragged_by(PointerButton::Primary);
-    if moves_light {
-        light_dome::drag(&mut surface, &context.view.light, delta);
-    } else if response.dragged() {
-        surface.camera.orbit(-0.4 * delta.x, 0.4 * delta.y);
+fn draw_over(ui: &Ui, context: &PanelContext<'_>, cells: &Cells) {
+    for cell in cells.rects() {
+        overlay::outline(&ui.painter_at(cell.intersect(cells.picture)), context, cell);
     }
-    if response.hovered() {
-        let scroll = ui.input(|input| input.smooth_scroll_delta().y);
-        if scroll != 0.0 {
-            surface.camera.dolly((-0.003 * scroll).exp());
-        }
+    let painter = ui.painter_at(cells.picture);
+    badges::show(&painter, context, cells);
+    let mut corner = cells.picture.left_bottom() + vec2(12.0, -12.0);
+    // In a grid it would lie on what is seen there.
+    if cells.picture.width() >= ROOMY && cells.arrangement.side() == 1 {
+        corner = overlay::hint(&painter, corner).left_top() - vec2(0.0, theme::GRID);
     }
-    if surface != context.session.surface {
-        context.push(Command::SetSurface(surface));
-    }
-}
-
-/// A click selects the texel that is shaded there, at the level in use.
-fn pick(context: &mut PanelContext<'_>, response: &Response, picture: Rect, size: [u32; 2]) {
-    let Some(position) = response.interact_pointer_pos().filter(|_| response.clicked()) else { return };
-    let inside = (position - picture.min) / picture.size();
-    let pixel = [inside.x * size[0] as f32, inside.y * size[1] as f32].map(|v| v.max(0.0) as u32);
-    let surface = &context.session.surface;
-    let map = context.session.map();
-    let coarsest = (map.level_sizes().len() - 1) as f32;
-    let levels = context.surroundings.target.status.get().lobe_levels.unwrap_or([0.0, coarsest]);
-    if let Some(point) = raster::pick(surface, size, pixel) {
-        context.view.pinned_repeat = [point.uv.x, point.uv.y].map(|v| v.max(0.0) as u32);
-        let texel = raster::texel_at(surface, map, &point, levels);
-        context.push(Command::Select(texel));
+    if let Arrangement::Difference(difference) = cells.arrangement {
+        difference_scale::show(&painter, difference, corner);
     }
 }
 
 /// The handle on the picture that moves the wipe.
-fn wipe(ui: &Ui, context: &mut PanelContext<'_>, picture: Rect) {
-    let mut comparison = context.session.comparison;
+fn wipe(ui: &Ui, comparison: &mut Comparison, picture: Rect) {
     if comparison.left == comparison.right {
         return;
     }
@@ -146,14 +98,15 @@ fn wipe(ui: &Ui, context: &mut PanelContext<'_>, picture: Rect) {
         comparison.wipe = Comparison::default().wipe;
     }
     overlay::wipe_handle(&ui.painter_at(picture), handle, response.hovered() || response.dragged());
-    if comparison != context.session.comparison {
-        context.push(Command::SetComparison(comparison));
-    }
 }
 
-/// Where a point of the world is seen in the picture; `None` behind the eye.
-pub fn project(surface: &LitSurface, picture: Rect, position: Vec3) -> Option<Pos2> {
-    let clip = surface.camera.clip_from_world(picture.width() / picture.height()) * position.extend(1.0);
-    let place = vec2(clip.x, -clip.y) / clip.w * 0.5 + Vec2::splat(0.5);
-    (clip.w > 0.0).then(|| picture.min + place * picture.size())
+/// In a grid, the list of methods at the head of each cell.
+fn cell_methods(ui: &mut Ui, comparison: &mut Comparison, cells: &Cells) {
+    let Arrangement::Grid { .. } = cells.arrangement else { return };
+    for (index, (cell, method)) in cells.rects().zip(&mut comparison.grid).enumerate() {
+        let place = Rect::from_min_size(cell.min + badges::INSET, vec2(methods::COMBO_WIDTH, theme::ROW));
+        ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
+            methods::combo(ui, &format!("Method of cell {}", index + 1), method);
+        });
+    }
 }

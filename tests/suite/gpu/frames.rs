@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use ndf_inspector::color::srgb8_from_linear;
-use ndf_inspector::comparison::Arrangement;
+use ndf_inspector::comparison::{Arrangement, Difference, DifferenceKind};
 use ndf_inspector::filter::LevelChoice;
 use ndf_inspector::filter::Method;
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame, render_to_rgba8};
@@ -182,6 +182,50 @@ fn the_wipe_shows_the_left_method_on_its_left_and_the_right_one_on_its_right() {
             _ => &vmf[4 * i..4 * i + 4],
         };
         assert_eq!(pixel, expected, "pixel {i}");
+    }
+}
+
+#[test]
+fn a_cell_of_a_grid_is_the_picture_of_its_method_alone() {
+    let scene = Scene { size: [191, 143], ..Scene::new(maps::rough(64, 64, Addressing::Wrap), 4) };
+    let methods = [Method::Truth, Method::MIP, Method::Vmf, Method::VmfUnaligned];
+    let arrangement = Arrangement::Grid { side: 2 };
+    let grid = FrameInput { methods: methods.map(Into::into).into(), arrangement, ..scene.input(methods[0]) };
+    let whole = render_to_rgba8(gpu(), &grid, 16).expect("readable");
+    let cell = Scene { size: arrangement.cell_size(scene.size), ..scene };
+    for (method, [left, top]) in methods.into_iter().zip(arrangement.cell_origins([191, 143])) {
+        let alone = render_to_rgba8(gpu(), &cell.input(method), 16).expect("readable");
+        // Two pixels part it from its neighbours; a row and a column reach past the edge.
+        for (x, y) in (2..71).flat_map(|y| (2..95).map(move |x| (x, y))) {
+            let pixel =
+                |picture: &[u8], width: u32, x: u32, y: u32| picture[4 * (y * width + x) as usize..][..4].to_vec();
+            let expected = pixel(&alone, cell.size[0], x, y);
+            assert_eq!(pixel(&whole, 191, left + x, top + y), expected, "{method} at ({x}, {y})");
+        }
+    }
+}
+
+#[test]
+fn a_difference_has_the_colour_of_its_scale() {
+    let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 4);
+    scene.surface.exposure_stops = 0.5;
+    for (kind, _) in DifferenceKind::ALL {
+        let difference = Difference { kind, range: 0.1 };
+        let arrangement = Arrangement::Difference(difference);
+        let input = FrameInput { arrangement, ..at_a_wipe(&scene, [Method::MIP, Method::Vmf], 0.5) };
+        let mut frame = frame(1, 1);
+        step(&mut frame, &input);
+        let [left, right] = [Method::MIP, Method::Vmf].map(|method| linear(&frame, method));
+        let bytes = render_to_rgba8(gpu(), &input, 1).expect("readable");
+        let mut colors = std::collections::BTreeSet::new();
+        for (i, pixel) in bytes.chunks(4).enumerate().filter(|(i, _)| left[*i][3] > 0.5) {
+            let value = kind.of(Vec3::from_slice(&left[i][..3]), Vec3::from_slice(&right[i][..3]));
+            // Both round to a code, after sums in another order.
+            let expected = difference.color(value);
+            assert!((0..3).all(|c| pixel[c].abs_diff(expected[c]) <= 1), "{pixel:?} against {expected:?} of {value}");
+            colors.insert(expected);
+        }
+        assert!(colors.len() > 50, "only {} colours", colors.len());
     }
 }
 

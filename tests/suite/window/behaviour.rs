@@ -9,6 +9,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use ndf_inspector::app::view_state::Layout;
 use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
+use ndf_inspector::comparison::View;
 use ndf_inspector::filter::Method;
 use ndf_inspector::filter::vmf::{FitSettings, Fold};
 use ndf_inspector::normal_map::albedo::Albedo;
@@ -47,13 +48,15 @@ pub(super) fn names(window: &Window) -> BTreeMap<String, usize> {
 #[test]
 fn every_control_has_a_name_of_its_own() {
     let mut window = window(fitted("pyramid5", 64));
-    for layout in [Layout::Surface, Layout::Split, Layout::Map] {
+    let views = View::ALL.map(|(view, _)| (Layout::Surface, view));
+    for (layout, view) in views.into_iter().chain([(Layout::Split, View::Wipe), (Layout::Map, View::Wipe)]) {
         window.state_mut().inspector.view.layout = layout;
+        window.state_mut().inspector.session.comparison.view = view;
         window.run();
         let names = names(&window);
         assert!(names.len() > 30, "only {} controls: {names:?}", names.len());
         let wrong: Vec<_> = names.iter().filter(|(name, count)| name.trim().is_empty() || **count > 1).collect();
-        assert!(wrong.is_empty(), "unnamed or doubled in {layout:?}: {wrong:?}");
+        assert!(wrong.is_empty(), "unnamed or doubled in {layout:?}, {view}: {wrong:?}");
     }
 }
 

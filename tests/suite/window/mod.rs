@@ -3,6 +3,7 @@
 mod actions;
 mod behaviour;
 mod pictures;
+mod seeing;
 mod texels;
 
 use std::sync::Arc;

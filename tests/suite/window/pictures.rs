@@ -4,7 +4,7 @@ use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, image_snapshot_options};
 use image::RgbaImage;
 use ndf_inspector::app::view_state::{Layout, MapShading, MapView};
-use ndf_inspector::comparison::Comparison;
+use ndf_inspector::comparison::{Comparison, Difference, DifferenceKind, View};
 use ndf_inspector::filter::Method;
 use ndf_inspector::gpu::Gpu;
 use ndf_inspector::headless::{Headless, ScreenshotSettings};
@@ -54,6 +54,17 @@ fn the_surface_by_each_method_and_at_a_wipe() {
     session.comparison = Comparison { wipe: 0.4, ..Comparison::default() };
     session.surface.shape.kind = ShapeKind::Plane;
     compare(&part(&mut window, "Surface view"), "surface_wipe");
+}
+
+#[test]
+fn the_surface_in_a_grid_and_as_a_signed_difference() {
+    let mut window = window(fitted("plate", 64));
+    let difference = Difference { kind: DifferenceKind::Signed, range: 0.5 };
+    for view in [View::Grid2x2, View::Difference] {
+        let session = &mut window.state_mut().inspector.session;
+        session.comparison = Comparison { view, difference, left: Method::MIP, ..Comparison::default() };
+        compare(&part(&mut window, "Surface view"), &format!("surface_{view}"));
+    }
 }
 
 #[test]
