@@ -2,6 +2,7 @@
 
 pub mod adapters;
 pub mod compare;
+pub mod doctor;
 pub mod export;
 pub mod fit;
 pub mod look;
@@ -14,6 +15,7 @@ pub mod screenshot;
 pub mod start;
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use options::MapArguments;
@@ -52,6 +54,8 @@ pub enum Command {
     Compare(compare::CompareCommand),
     /// The whole window as a PNG, without a display.
     Screenshot(screenshot::ScreenshotCommand),
+    /// What a file says of how it should be read, and whether it is read so.
+    Doctor(doctor::DoctorCommand),
     /// Write results for other programs.
     Export(export::ExportCommand),
     /// Write a bundled map, or list them.
@@ -78,12 +82,13 @@ pub fn open_window(cli: &Cli) -> anyhow::Result<()> {
     Ok(window::run(make, cli.frame_log.as_deref())?)
 }
 
-/// Carries out a command.
+/// Carries out a command, and says how the program ends.
 ///
 /// # Errors
 /// One sentence that names the file and the cause.
-pub fn run(command: Command) -> anyhow::Result<()> {
-    match command {
+pub fn run(command: Command) -> anyhow::Result<ExitCode> {
+    let done = match command {
+        Command::Doctor(command) => return command.run(),
         Command::Fit(command) => command.run(),
         Command::Probe(command) => command.run(),
         Command::Render(command) => command.run(),
@@ -92,5 +97,6 @@ pub fn run(command: Command) -> anyhow::Result<()> {
         Command::Export(command) => command.run(),
         Command::Sample(command) => command.run(),
         Command::Adapters => adapters::run(),
-    }
+    };
+    done.map(|()| ExitCode::SUCCESS)
 }

@@ -10,10 +10,10 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Some(command) => cli::run(command),
-        None => cli::open_window(&cli),
+        None => cli::open_window(&cli).map(|()| ExitCode::SUCCESS),
     };
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             eprintln!("ndf-inspector: {error:#}");
             ExitCode::FAILURE

@@ -25,10 +25,10 @@ use crate::filter::{Method, PlainMip};
 use crate::jobs::Wake;
 use crate::lit_surface::LitSurface;
 use crate::normal_map::pyramid::Texel;
-use crate::normal_map::{MapOptions, MapSource, NormalMap, procedural};
+use crate::normal_map::{Diagnosis, MapOptions, MapSource, NormalMap, procedural};
 use fitting::Fitting;
-use opening::Opening;
 pub use opening::{MapRequest, OpenedMap};
+use opening::{Opening, Prepared};
 
 /// A sentence for the user.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +73,8 @@ pub struct Session {
     map: Arc<NormalMap>,
     /// Made when it is first asked for: a fit alone needs none, and it is as large as the map.
     mip: OnceLock<Arc<PlainMip>>,
+    /// Made when it is first asked for: only a window shows it.
+    diagnosis: OnceLock<Diagnosis>,
     selected: Texel,
     fitting: Fitting,
     opening: Opening,
@@ -128,6 +130,7 @@ impl Session {
             map_revision: 1,
             map,
             mip: OnceLock::new(),
+            diagnosis: OnceLock::new(),
             wake,
         }
     }
@@ -140,6 +143,11 @@ impl Session {
     /// Its mean normals.
     pub fn mip(&self) -> &Arc<PlainMip> {
         self.mip.get_or_init(|| Arc::new(PlainMip::new(Arc::clone(&self.map))))
+    }
+
+    /// What its samples say of how they should be read.
+    pub fn diagnosis(&self) -> &Diagnosis {
+        self.diagnosis.get_or_init(|| self.map.diagnose())
     }
 
     /// The methods of the view with what is built of them, in the order of its cells.
@@ -271,7 +279,8 @@ impl Session {
 
     /// How another map is read: by the conventions of the open one, which tend to come together, but as normals.
     pub fn options_for_another_map(&self) -> MapOptions {
-        MapOptions { height_scale: None, two_channel: false, ..self.map.options.clone() }
+        let MapOptions { green, addressing, color, .. } = self.map.options.clone();
+        MapOptions { green, addressing, color, ..MapOptions::default() }
     }
 
     /// Reads the open map anew with other options.
@@ -359,8 +368,8 @@ impl Session {
         let mut changed = news.is_some() || refused.is_some();
         changed |= self.poll_saving();
         self.messages.extend(refused);
-        if let Some((opened, mip)) = news {
-            self.adopt(opened, mip);
+        if let Some(prepared) = news {
+            self.adopt(prepared);
         }
         changed |= self.fitting.poll(&mut messages);
         self.fitting.measure(&self.wake);
@@ -373,13 +382,13 @@ impl Session {
     }
 
     /// Takes a map that was read, its fit or a new one, and the settings of its session file.
-    fn adopt(&mut self, opened: OpenedMap, mip: Arc<PlainMip>) {
-        let OpenedMap { map, fit, session } = opened;
+    fn adopt(&mut self, prepared: Prepared) {
+        let Prepared { opened: OpenedMap { map, fit, session }, mip, diagnosis } = prepared;
         self.remember(&map, session.as_deref());
         if map.level_sizes() != self.map.level_sizes() {
             self.selected = default_selection(&map);
         }
-        (self.map, self.mip) = (map, mip.into());
+        (self.map, self.mip, self.diagnosis) = (map, mip.into(), diagnosis.into());
         self.map_revision += 1;
         let settings = session.as_ref().map(|file| file.fit);
         if let Some(file) = session {

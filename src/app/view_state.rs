@@ -142,6 +142,8 @@ pub struct ViewState {
     pub dolly: Dolly,
     /// Whether the trace of the selected texel's fit is shown.
     pub show_trace: bool,
+    /// Whether all findings of the import doctor are shown, or the doubtful ones only.
+    pub show_findings: bool,
     /// The path that is being typed.
     #[serde(skip)]
     pub typed_path: String,

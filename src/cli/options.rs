@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::filter::vmf::{Alignment, EStep, FitSettings, LobeCount, Objective};
 use crate::image_io::write_bytes_atomically;
-use crate::normal_map::{Addressing, GreenChannel, MapOptions};
+use crate::normal_map::{Addressing, GreenChannel, MapOptions, StoredZ};
 use crate::session::{MapRequest, OpenedMap, Session, opening};
 use crate::sphere::vmf::KappaRule;
 
@@ -22,9 +22,18 @@ pub struct MapArguments {
     /// Read the image as heights, scaled by SCALE.
     #[arg(long = "height", value_name = "SCALE")]
     pub height_scale: Option<f32>,
-    /// Take z from x and y.
-    #[arg(long)]
+    /// Take z from x and y: the same as --z none.
+    #[arg(long, conflicts_with = "z")]
     pub two_channel: bool,
+    /// What the third channel holds.
+    #[arg(long, value_enum, value_name = "RANGE")]
+    pub z: Option<ZRange>,
+    /// How the samples are encoded, whatever the file says of itself.
+    #[arg(long, value_enum)]
+    pub encoding: Option<Encoding>,
+    /// Whose the normals are.
+    #[arg(long, value_enum)]
+    pub space: Option<Space>,
     /// The map tiles (the default).
     #[arg(long, conflicts_with = "clamp")]
     pub wrap: bool,
@@ -47,6 +56,36 @@ pub enum Green {
     Auto,
 }
 
+/// What the third channel holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ZRange {
+    /// z from -1 to 1, as x and y.
+    Signed,
+    /// z from 0 to 1.
+    #[value(name = "01")]
+    Unsigned,
+    /// Something else, or nothing: z is taken from x and y.
+    None,
+}
+
+/// How samples are encoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Encoding {
+    /// As they are.
+    Linear,
+    /// By the sRGB curve.
+    Srgb,
+}
+
+/// Whose normals are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Space {
+    /// The surface's: +z points out of it.
+    Tangent,
+    /// The object's: all directions are right.
+    Object,
+}
+
 impl MapArguments {
     /// The options, over what `base` says.
     pub fn over(&self, base: MapOptions) -> MapOptions {
@@ -62,7 +101,17 @@ impl MapArguments {
                 (_, true) => Addressing::Clamp,
                 _ => base.addressing,
             },
-            two_channel: self.two_channel || base.two_channel,
+            two_channel: match self.z {
+                Some(z) => z == ZRange::None,
+                None => self.two_channel || base.two_channel,
+            },
+            z: match self.z {
+                Some(ZRange::Signed) => StoredZ::Signed,
+                Some(ZRange::Unsigned) => StoredZ::Unsigned,
+                Some(ZRange::None) | None => base.z,
+            },
+            srgb: self.encoding.map_or(base.srgb, |encoding| encoding == Encoding::Srgb),
+            object_space: self.space.map_or(base.object_space, |space| space == Space::Object),
             height_scale: self.height_scale.or(base.height_scale),
             color: self.color.clone().or(base.color),
         }

@@ -102,6 +102,8 @@ pub struct RasterImage {
     pub depth: SampleDepth,
     /// The file format's name, for example "PNG".
     pub format: &'static str,
+    /// True where the file itself says that its samples are sRGB-encoded.
+    pub tagged_srgb: bool,
 }
 
 impl RasterImage {

@@ -59,6 +59,7 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<RasterImage, ReadImageE
         samples: Samples::F32(values),
         depth: depth_of(&header, &selection),
         format: FORMAT,
+        tagged_srgb: false,
     })
 }
 

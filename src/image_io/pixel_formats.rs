@@ -33,6 +33,7 @@ pub(super) fn decode(name: &str, bytes: &[u8], format: ImageFormat) -> Result<Ra
         depth: depth_of(&samples),
         samples,
         format: format_name(format),
+        tagged_srgb: format == ImageFormat::Png && png_says_srgb(bytes),
     })
 }
 
@@ -83,6 +84,20 @@ fn check_claimed_size(name: &str, bytes: &[u8], format: ImageFormat) -> Result<(
     }
 }
 
+/// True where a chunk of a PNG says that its samples are sRGB. Chunks are a length, a name, the data and a checksum,
+/// and this one comes before the samples.
+fn png_says_srgb(bytes: &[u8]) -> bool {
+    let mut rest = bytes.get(8..).unwrap_or_default();
+    while let &[a, b, c, d, ref name @ ..] = rest {
+        if name.starts_with(b"sRGB") || name.starts_with(b"IDAT") {
+            return name.starts_with(b"sRGB");
+        }
+        let length = u32::from_be_bytes([a, b, c, d]) as usize;
+        rest = name.get(length.saturating_add(8)..).unwrap_or_default();
+    }
+    false
+}
+
 /// True where the last scan is followed by the end-of-image mark. The decoder fills a cut JPEG with grey instead
 /// of failing. Inside a scan a byte `ff` is followed by `00` or a restart mark, so neither mark is found there.
 fn jpeg_is_complete(bytes: &[u8]) -> bool {
@@ -130,6 +145,17 @@ fn ended_early(error: &(dyn Error + 'static)) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_png_says_srgb_by_a_chunk_before_its_samples() {
+        let chunk =
+            |name: &[u8; 4], data: &[u8]| [&(data.len() as u32).to_be_bytes()[..], name, data, &[0; 4]].concat();
+        let png = |chunks: &[Vec<u8>]| [&[0; 8][..], &chunks.concat()].concat();
+        let (srgb, samples) = (chunk(b"sRGB", &[0]), chunk(b"IDAT", b"sRGBsRGB"));
+        assert!(png_says_srgb(&png(&[chunk(b"IHDR", &[0; 13]), srgb.clone(), samples.clone()])));
+        assert!(!png_says_srgb(&png(&[chunk(b"IHDR", &[0; 13]), samples, srgb])));
+        assert!(!png_says_srgb(&[0xff; 40]));
+    }
 
     #[test]
     fn a_jpeg_needs_its_end_mark_after_the_last_scan() {

@@ -80,7 +80,8 @@ mod tests {
 
     fn image(width: usize, height: usize, samples: Samples) -> RasterImage {
         let channels = samples.len() / (width * height);
-        RasterImage { width, height, channels, has_alpha: false, samples, depth: SampleDepth::Float, format: "none" }
+        let depth = SampleDepth::Float;
+        RasterImage { width, height, channels, has_alpha: false, samples, depth, format: "none", tagged_srgb: false }
     }
 
     #[test]

@@ -2,7 +2,8 @@
 //!
 //! `n = 2 c / c_max - 1` per channel (`c_max` 255 or 65535), then normalised; so (128, 128, 255) leans 0.32 degrees,
 //! which is the map's own lean. Floats are taken as they are where any colour sample is negative, else as
-//! `n = 2 c - 1`; a warning says which. With two channels `z = sqrt(max(0, 1 - x^2 - y^2))`.
+//! `n = 2 c - 1`; a warning says which. With two channels `z = sqrt(max(0, 1 - x^2 - y^2))`; where the third holds z
+//! from 0 to 1, `z = c`. Where the file is sRGB-encoded, `c` is the linear value.
 //!
 //! A texel is invalid where its colour is exactly black, its decoded length is below 0.1, or a sample is not finite.
 //! Normals are computed in f64 and stored as f32, whose error (6e-8) is far below what any file resolves.
@@ -10,12 +11,13 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::diagnose::{Tally, Warning, alpha_varies, green_channel};
+use super::diagnose::{Curl, Tally, Warning, alpha_varies};
 use super::height::HeightMap;
-use super::{GreenChannel, MapOptions, MapSource, NormalMap};
+use super::{GreenChannel, MapOptions, MapSource, NormalMap, StoredZ};
+use crate::color::linear_from_srgb;
 use crate::image_io::{self, RasterImage, ReadImageError};
 
 /// A decoded length below this holds no direction worth the name: rounding alone moves it by tens of degrees.
@@ -108,9 +110,11 @@ impl NormalMap {
         }
     }
 
-    /// Takes the green convention under which the slopes come closer to those of a surface; the map was read as +Y up.
+    /// Takes the green convention under which the slopes are those of a surface. The map was read as +Y up, and stays
+    /// so where the slopes do not tell.
     fn settle_green(&mut self) {
-        self.options.green = green_channel(self);
+        let curl = Curl::of((self.width, self.height), |texel| self.normal(texel).map(Vec3::as_dvec3));
+        self.options.green = curl.green().unwrap_or(GreenChannel::Up);
         if self.options.green == GreenChannel::Down {
             self.y.iter_mut().for_each(|y| *y = -*y);
             if let Some(decoder) = &mut self.decoder {
@@ -129,7 +133,7 @@ impl NormalMap {
             .map(|(row, (x, y, z))| fill_row([x, y, z], |column| decode(row * width + column)))
             .reduce(Tally::default, Tally::plus);
         self.invalid = tally.invalid;
-        self.warnings.extend(tally.warnings());
+        self.warnings.extend(tally.warnings(self.options.object_space));
     }
 }
 
@@ -184,7 +188,7 @@ pub(super) fn from_known_normals(image: RasterImage, source: MapSource, options:
     map
 }
 
-/// How stored values become components.
+/// What stored values run over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Range {
     /// Integers up to this full scale.
@@ -196,14 +200,6 @@ enum Range {
 }
 
 impl Range {
-    fn component(self, stored: f64) -> f64 {
-        match self {
-            Self::Integer(full_scale) => 2.0 * stored / full_scale - 1.0,
-            Self::Unsigned => 2.0 * stored - 1.0,
-            Self::Signed => stored,
-        }
-    }
-
     fn warning(self) -> Option<Warning> {
         match self {
             Self::Integer(_) => None,
@@ -217,19 +213,28 @@ impl Range {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decoder {
     range: Range,
-    two_channel: bool,
+    srgb: bool,
+    /// `None` where z is taken from x and y.
+    z: Option<StoredZ>,
     y_sign: f64,
 }
 
 impl Decoder {
-    fn new(image: &RasterImage, options: &MapOptions) -> Self {
+    /// The conventions of `image`, read as the options say.
+    pub fn new(image: &RasterImage, options: &MapOptions) -> Self {
         let two_channel = options.two_channel || image.color_channels() == 2;
         let used = if two_channel { 2 } else { 3 };
         Self {
             range: range_of(image, used),
-            two_channel,
+            srgb: options.srgb,
+            z: (!two_channel).then_some(options.z),
             y_sign: if options.green == GreenChannel::Down { -1.0 } else { 1.0 },
         }
+    }
+
+    /// True where the file's floats are components as they are.
+    pub fn is_signed(&self) -> bool {
+        self.range == Range::Signed
     }
 
     /// The unit normal of a stored texel in f64, or `None` where it is invalid.
@@ -238,16 +243,37 @@ impl Decoder {
     }
 
     /// The unit normal of a texel and the length it was decoded with, or `None` where it is invalid.
-    fn decode(&self, image: &RasterImage, texel: usize) -> Option<(DVec3, f64)> {
+    pub fn decode(&self, image: &RasterImage, texel: usize) -> Option<(DVec3, f64)> {
         if is_black(image, texel) {
             return None;
         }
-        let component = |channel: usize| self.range.component(image.samples.get(texel * image.channels + channel));
-        let (x, y) = (component(0), self.y_sign * component(1));
-        let z = if self.two_channel { (1.0 - x * x - y * y).max(0.0).sqrt() } else { component(2) };
-        let vector = DVec3::new(x, y, z);
+        let xy = self.xy(image, texel);
+        let stored_z = || image.samples.get(texel * image.channels + 2);
+        let z = match self.z {
+            None => (1.0 - xy.x * xy.x - xy.y * xy.y).max(0.0).sqrt(),
+            Some(StoredZ::Signed) => self.component(stored_z()),
+            Some(StoredZ::Unsigned) => self.linear(stored_z()),
+        };
+        let vector = xy.extend(z);
         let length = vector.length();
         (length.is_finite() && length >= SHORTEST).then(|| (vector / length, length))
+    }
+
+    /// The x and y of a texel as they are stored, before the normal is normalised.
+    pub fn xy(&self, image: &RasterImage, texel: usize) -> DVec2 {
+        let component = |channel: usize| self.component(image.samples.get(texel * image.channels + channel));
+        DVec2::new(component(0), self.y_sign * component(1))
+    }
+
+    /// A stored value as a component from -1 to 1.
+    fn component(&self, stored: f64) -> f64 {
+        if self.is_signed() { stored } else { 2.0 * self.linear(stored) - 1.0 }
+    }
+
+    /// A stored value from 0 to 1, freed of the sRGB curve where it was encoded with it.
+    fn linear(&self, stored: f64) -> f64 {
+        let value = if let Range::Integer(full_scale) = self.range { stored / full_scale } else { stored };
+        if self.srgb && !self.is_signed() { linear_from_srgb(value as f32).into() } else { value }
     }
 }
 
@@ -260,7 +286,7 @@ fn range_of(image: &RasterImage, used: usize) -> Range {
 }
 
 /// True where every colour sample of a texel is exactly 0.
-fn is_black(image: &RasterImage, texel: usize) -> bool {
+pub(super) fn is_black(image: &RasterImage, texel: usize) -> bool {
     let first = texel * image.channels;
     (first..first + image.color_channels()).all(|index| image.samples.get(index) == 0.0)
 }

@@ -16,6 +16,7 @@ fn image(width: usize, channels: usize, samples: Samples) -> RasterImage {
         samples,
         depth: SampleDepth::Bits8,
         format: "test",
+        tagged_srgb: false,
     }
 }
 

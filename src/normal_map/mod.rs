@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3};
 use crate::image_io::{RasterImage, ReadImageError, SampleDepth, Samples};
 use albedo::Albedo;
 pub use decode::{DecodeError, OpenError};
-pub use diagnose::Warning;
+pub use diagnose::{Diagnosis, Warning};
 
 /// The convention of a file's green channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -31,6 +31,17 @@ pub enum GreenChannel {
     Down,
     /// Whichever makes the slopes a surface; an open map says which it was.
     Auto,
+}
+
+/// What a third channel runs over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StoredZ {
+    /// From -1 to 1, as x and y do.
+    #[default]
+    Signed,
+    /// From 0 to 1: only what faces the viewer.
+    Unsigned,
 }
 
 /// What lies beyond an edge of the map.
@@ -54,10 +65,21 @@ pub struct MapOptions {
     pub addressing: Addressing,
     /// Takes z from x and y, whatever the third channel holds.
     pub two_channel: bool,
+    /// What the third channel runs over, where it is read.
+    pub z: StoredZ,
+    /// The samples are sRGB-encoded.
+    pub srgb: bool,
+    /// The normals are the object's and not the surface's: all directions are right, none is below a surface.
+    pub object_space: bool,
     /// Reads the image as heights, scaled by this factor (in texel widths per full range), instead of as normals.
     pub height_scale: Option<f32>,
     /// An image of the surface's colour, fitted along.
     pub color: Option<PathBuf>,
+}
+
+impl MapOptions {
+    /// The height of the full range of a height map, in texel widths, unless told.
+    pub const HEIGHT_SCALE: f32 = 4.0;
 }
 
 /// Where a map came from.
@@ -125,6 +147,7 @@ impl NormalMap {
             samples: Samples::F32(samples),
             depth: SampleDepth::Float,
             format: "OpenEXR",
+            tagged_srgb: false,
         };
         let mut map = Self {
             width,
@@ -158,6 +181,11 @@ impl NormalMap {
         self.options.color = Some(path.clone());
         self.warnings.extend(warnings);
         Ok(())
+    }
+
+    /// What the samples say of how they should be read.
+    pub fn diagnose(&self) -> Diagnosis {
+        Diagnosis::new(&self.stored, &self.options)
     }
 
     /// Linear RGB of a base texel; white where no colour was given.

@@ -10,7 +10,7 @@ use crate::filter::PlainMip;
 use crate::filter::vmf::{Monitor, color};
 use crate::image_io;
 use crate::jobs::{Job, JobEvent, Outbox, Wake};
-use crate::normal_map::{DecodeError, MapOptions, MapSource, NormalMap, OpenError, procedural};
+use crate::normal_map::{DecodeError, Diagnosis, MapOptions, MapSource, NormalMap, OpenError, procedural};
 
 /// A map to open.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,11 +71,18 @@ impl From<FittedLobes> for OpenedMap {
     }
 }
 
-/// A map and its mean normals.
-pub type OpenedWithMip = (OpenedMap, Arc<PlainMip>);
+/// A map, and what is made of it before it is shown.
+pub struct Prepared {
+    /// The map.
+    pub opened: OpenedMap,
+    /// Its mean normals.
+    pub mip: Arc<PlainMip>,
+    /// What its samples say of how they should be read.
+    pub diagnosis: Diagnosis,
+}
 
 enum News {
-    Opened(OpenedWithMip),
+    Opened(Prepared),
     Failed(Message),
     Dismissed,
 }
@@ -122,11 +129,11 @@ impl Opening {
     }
 
     /// Takes a map that was read, or what the user should know.
-    pub fn poll(&mut self) -> (Option<OpenedWithMip>, Option<Message>) {
+    pub fn poll(&mut self) -> (Option<Prepared>, Option<Message>) {
         let Some(event) = self.job.as_ref().and_then(Job::next) else { return (None, None) };
         self.job = None;
         match event {
-            JobEvent::News(News::Opened(map)) => (Some(map), None),
+            JobEvent::News(News::Opened(prepared)) => (Some(prepared), None),
             JobEvent::News(News::Failed(message)) => (None, Some(message)),
             JobEvent::News(News::Dismissed) => (None, None),
             JobEvent::Panicked(text) => (None, Some(Message::error(format!("The map could not be opened: {text}.")))),
@@ -142,14 +149,12 @@ fn read_news(request: MapRequest) -> News {
     match read(&request) {
         Ok(opened) => {
             let mip = Arc::new(PlainMip::new(Arc::clone(&opened.map)));
-            News::Opened((opened, mip))
+            let diagnosis = opened.map.diagnose();
+            News::Opened(Prepared { opened, mip, diagnosis })
         }
         Err(failure) => News::Failed(failure),
     }
 }
-
-/// The height of the full range of a height map, in texel widths, unless told.
-pub const DEFAULT_HEIGHT_SCALE: f32 = 4.0;
 
 /// Why a map was not opened.
 struct Refused {
@@ -215,7 +220,7 @@ impl MapRequest {
             Self::File { options, .. } | Self::Bytes { options, .. } | Self::Bundled { options, .. } => options,
             Self::Session(file) => &mut file.map_options,
         };
-        options.height_scale = Some(DEFAULT_HEIGHT_SCALE);
+        options.height_scale = Some(MapOptions::HEIGHT_SCALE);
         request
     }
 }

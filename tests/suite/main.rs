@@ -4,6 +4,7 @@ mod alignment;
 mod cli;
 mod color;
 mod compare;
+mod doctor;
 mod fit;
 mod gpu;
 mod house;

@@ -16,6 +16,7 @@ use crate::normal_map::{Addressing, GreenChannel, MapSource};
 use crate::scene::ShapeKind;
 use crate::sphere::vmf::KappaRule;
 
+mod doctor;
 mod level_figures;
 mod light;
 mod parameters;
@@ -26,7 +27,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         ui.set_max_width(ui.available_width() - 6.0);
-        heading(ui, "Map");
+        doctor::title(ui, context);
         map(ui, context);
         rule(ui);
         heading(ui, "Fit");
@@ -65,7 +66,8 @@ fn map(ui: &mut Ui, context: &mut PanelContext<'_>) {
         ui.label(RichText::new("Reading a map").small().color(theme::ACCENT));
     }
     reading(ui, context);
-    for warning in &context.session.map().warnings {
+    doctor::findings(ui, context);
+    for warning in context.session.map().warnings.iter().filter(|warning| !warning.is_found_by_the_doctor()) {
         let text = RichText::new(format!("{warning}.")).small().color(theme::WARNING);
         ui.add(egui::Label::new(text).wrap());
     }

@@ -108,6 +108,7 @@ impl Sample {
             samples: Samples::U8(normals.into_iter().flat_map(to_rgb8).collect()),
             depth: SampleDepth::Bits8,
             format: "bundled",
+            tagged_srgb: false,
         }
     }
 }

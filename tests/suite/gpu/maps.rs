@@ -19,7 +19,16 @@ pub fn map(
     let normals: Vec<Vec3> = (0..width * height).map(|i| normal(i % width, i / width).normalize_or_zero()).collect();
     let samples = Samples::F32(normals.iter().flat_map(Vec3::to_array).collect());
     let depth = SampleDepth::Float;
-    let stored = RasterImage { width, height, channels: 3, has_alpha: false, samples, depth, format: "none" };
+    let stored = RasterImage {
+        width,
+        height,
+        channels: 3,
+        has_alpha: false,
+        samples,
+        depth,
+        format: "none",
+        tagged_srgb: false,
+    };
     Arc::new(NormalMap {
         width,
         height,

@@ -2,6 +2,7 @@
 
 mod actions;
 mod behaviour;
+mod doctor;
 mod pictures;
 mod seeing;
 mod texels;

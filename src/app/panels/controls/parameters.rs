@@ -7,8 +7,8 @@ use crate::filter::LevelChoice;
 use crate::filter::probes::MOST_PROBES;
 use crate::filter::vmf::{Alignment, Objective, Selection};
 use crate::lighting::Light;
+use crate::normal_map::MapOptions;
 use crate::session::Session;
-use crate::session::opening::DEFAULT_HEIGHT_SCALE;
 
 const MATERIAL: Material = Material::DEFAULT;
 const LIGHT: Light = Light::DEFAULT;
@@ -85,7 +85,7 @@ pub(super) fn diffuse(rule: DiffuseRule) -> &'static str {
 pub(super) const HEIGHT_SCALE: Parameter = Parameter {
     name: "Height scale",
     range: [0.01, 100.0],
-    default: DEFAULT_HEIGHT_SCALE as f64,
+    default: MapOptions::HEIGHT_SCALE as f64,
     logarithmic: true,
     tooltip: "Texel widths from the lowest to the highest height.",
     ..PLAIN

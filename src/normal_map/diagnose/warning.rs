@@ -1,10 +1,7 @@
-//! What was odd about a file, as values: counted while decoding, shown by the window, never silently repaired.
+//! What was odd about a file, as values: counted while decoding, never silently repaired.
 
 use std::fmt;
 
-use rayon::prelude::*;
-
-use super::{GreenChannel, NormalMap};
 use crate::image_io::RasterImage;
 
 /// A decoded length further than this from 1 counts as off. Rounding to 8 bits moves a length by at most 0.007.
@@ -12,7 +9,7 @@ pub(super) const LENGTH_TOLERANCE: f64 = 0.1;
 
 /// Below this share of the texels an odd length or a normal below the horizon is not worth a warning: painted
 /// details and lossy compression make a few in many good maps.
-const WORTH_A_WARNING: f64 = 0.005;
+pub(super) const WORTH_A_WARNING: f64 = 0.005;
 
 /// Something odd about a map that was read all the same. `Display` gives one plain sentence without a full stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +56,13 @@ pub enum Warning {
     },
 }
 
+impl Warning {
+    /// True where the doctor finds the same, and more of it.
+    pub fn is_found_by_the_doctor(self) -> bool {
+        matches!(self, Self::InvalidTexels { .. } | Self::LengthsOffUnit { .. } | Self::BelowHorizon { .. })
+    }
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
@@ -77,7 +81,7 @@ impl fmt::Display for Warning {
             ),
             Self::BelowHorizon { share } => write!(
                 formatter,
-                "{} of the normals point below the surface; the blue channel may not hold z (see --two-channel)",
+                "{} of the normals point below the surface; the blue channel may not hold z (see `doctor`)",
                 percent(share)
             ),
             Self::FloatsTakenAsUnsigned => {
@@ -107,13 +111,13 @@ impl fmt::Display for Warning {
     }
 }
 
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     if share < 0.095 { format!("{:.1}%", 100.0 * share) } else { format!("{:.0}%", 100.0 * share) }
 }
 
 /// Counts kept while the texels are decoded; counts of parts of a map add up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Tally {
+pub(in crate::normal_map) struct Tally {
     /// Texels with a normal.
     pub valid: usize,
     /// Texels without one.
@@ -142,8 +146,8 @@ impl Tally {
         }
     }
 
-    /// The warnings that the counts are worth.
-    pub fn warnings(&self) -> Vec<Warning> {
+    /// The warnings that the counts are worth; in object space no direction is below a horizon.
+    pub fn warnings(&self, object_space: bool) -> Vec<Warning> {
         let mut warnings = Vec::new();
         if self.invalid > 0 {
             let total = self.valid + self.invalid;
@@ -153,7 +157,7 @@ impl Tally {
         if share(self.off_unit) > WORTH_A_WARNING {
             warnings.push(Warning::LengthsOffUnit { share: share(self.off_unit) });
         }
-        if share(self.below_horizon) > WORTH_A_WARNING {
+        if !object_space && share(self.below_horizon) > WORTH_A_WARNING {
             warnings.push(Warning::BelowHorizon { share: share(self.below_horizon) });
         }
         warnings
@@ -161,38 +165,10 @@ impl Tally {
 }
 
 /// True where the image has an alpha channel with more than one value in it.
-pub(super) fn alpha_varies(image: &RasterImage) -> bool {
+pub(in crate::normal_map) fn alpha_varies(image: &RasterImage) -> bool {
     let last = image.channels - 1;
     let alpha = |texel: usize| image.samples.get(texel * image.channels + last);
     image.has_alpha && (1..image.texels()).any(|texel| alpha(texel) != alpha(0))
-}
-
-/// The convention of the green channel, from integrability: the slopes `p = -x/z` and `q = -y/z` of a surface have no
-/// curl, `dp/dt = dq/ds`; under the wrong sign of y they do. The map was read as +Y up; a tie keeps that.
-pub(super) fn green_channel(map: &NormalMap) -> GreenChannel {
-    let slope = |x: usize, y: usize| {
-        let normal = map.normal((y % map.height) * map.width + x % map.width)?;
-        (normal.z > 0.1).then(|| normal.truncate() / -normal.z)
-    };
-    let curls = |y: usize| {
-        let mut sums = [0.0_f64; 2];
-        for x in 0..map.width {
-            let around = (slope(x, y), slope(x + 1, y), slope(x, y + 1));
-            let (Some(here), Some(right), Some(below)) = around else { continue };
-            // Rows run down and t runs up.
-            let (dp_dt, dq_ds) = (here.x - below.x, right.y - here.y);
-            sums[0] += f64::from(dp_dt - dq_ds).powi(2);
-            sums[1] += f64::from(dp_dt + dq_ds).powi(2);
-        }
-        sums
-    };
-    let [up, down] = (0..map.height)
-        .into_par_iter()
-        .map(curls)
-        .collect::<Vec<_>>()
-        .into_iter()
-        .fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-    if down < up { GreenChannel::Down } else { GreenChannel::Up }
 }
 
 #[cfg(test)]
@@ -212,8 +188,8 @@ mod tests {
     #[test]
     fn a_few_odd_texels_in_a_good_map_give_no_warning() {
         let tally = Tally { valid: 10_000, off_unit: 10, below_horizon: 3, invalid: 0 };
-        assert!(tally.warnings().is_empty());
+        assert!(tally.warnings(false).is_empty());
         let tally = Tally { valid: 10_000, off_unit: 1000, below_horizon: 0, invalid: 0 };
-        assert_eq!(tally.warnings(), [Warning::LengthsOffUnit { share: 0.1 }]);
+        assert_eq!(tally.warnings(false), [Warning::LengthsOffUnit { share: 0.1 }]);
     }
 }
