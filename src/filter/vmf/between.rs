@@ -17,8 +17,9 @@
 
 use rayon::prelude::*;
 
+use super::alignment::Alignment;
 use super::cholesky::{self, MOST, Matrix};
-use super::fit::{Alignment, FitSettings};
+use super::fit::FitSettings;
 use super::looks::{self, Looks};
 use super::monitor::{Cancelled, Monitor};
 use super::objective::Objective;

@@ -64,7 +64,8 @@ fn under(sizes: &[(usize, usize)], texel: Texel) -> Vec<(usize, Range, Range)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::filter::vmf::fit::{Alignment, expected_visits, fit as fit_all};
+    use crate::filter::vmf::Alignment;
+    use crate::filter::vmf::fit::{expected_visits, fit as fit_all};
     use crate::normal_map::procedural;
 
     #[test]

@@ -1,10 +1,10 @@
 //! Fitting every texel of every level: settings, the order of levels, and what is reported on the way.
 
-use std::str::FromStr;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::alignment::Alignment;
 use super::coherence::Coherence;
 use super::color::{self, ColorLevel};
 use super::em::{EStep, Stop};
@@ -19,101 +19,6 @@ use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::StoredLobe;
 use crate::sphere::vmf::KappaRule;
-
-/// How lobe j of neighbouring texels is made to mean the same thing, so that hardware may interpolate it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(into = "String", try_from = "String")]
-pub enum Alignment {
-    /// Each texel's own best fit; for unaligned shading.
-    None,
-    /// Neighbours speak in the E-step with this share, and leave the mean directions alone.
-    Smooth {
-        /// The neighbours' share b, `0..1`.
-        blend: f32,
-    },
-    /// Han's pull of the mean directions towards the neighbours' (eq. 23), of this strength C.
-    Paper {
-        /// Strength C, at least 0.
-        c: f32,
-    },
-    /// The exact M-step of the same prior (Mikkelsen 2008, eq. 113), of this strength per normal.
-    Map {
-        /// Strength c, at least 0.
-        c: f32,
-    },
-}
-
-impl Default for Alignment {
-    fn default() -> Self {
-        Self::Smooth { blend: Self::DEFAULT_BLEND }
-    }
-}
-
-impl Alignment {
-    /// The neighbours' share that [`Alignment::Smooth`] takes unless told.
-    pub const DEFAULT_BLEND: f32 = 0.15;
-
-    /// How the scanline alignments pull; `None` for the others.
-    pub fn pull(self) -> Option<Pull> {
-        match self {
-            Self::None | Self::Smooth { .. } => None,
-            Self::Paper { c } => Some(Pull::Paper { c: f64::from(c) }),
-            Self::Map { c } => Some(Pull::Map { c: f64::from(c) }),
-        }
-    }
-}
-
-/// Why an alignment's name could not be read.
-#[derive(Debug, thiserror::Error, PartialEq, Eq)]
-#[error(
-    "'{0}' is not an alignment: write none, smooth, smooth:B with B from 0 to 0.9, paper:C or map:C with C from 0 to 100"
-)]
-pub struct ParseAlignmentError(String);
-
-impl FromStr for Alignment {
-    type Err = ParseAlignmentError;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let number = |prefix: &str| text.strip_prefix(prefix).and_then(|value| value.parse::<f32>().ok());
-        let strength = |prefix: &str| number(prefix).filter(|c| (0.0..=100.0).contains(c));
-        match text {
-            "none" => Some(Self::None),
-            "smooth" => Some(Self::default()),
-            _ => number("smooth:")
-                .filter(|blend| (0.0..=0.9).contains(blend))
-                .map(|blend| Self::Smooth { blend })
-                .or_else(|| strength("paper:").map(|c| Self::Paper { c }))
-                .or_else(|| strength("map:").map(|c| Self::Map { c })),
-        }
-        .ok_or_else(|| ParseAlignmentError(text.to_owned()))
-    }
-}
-
-impl std::fmt::Display for Alignment {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::None => formatter.write_str("none"),
-            Self::Smooth { blend } if *blend == Self::DEFAULT_BLEND => formatter.write_str("smooth"),
-            Self::Smooth { blend } => write!(formatter, "smooth:{blend}"),
-            Self::Paper { c } => write!(formatter, "paper:{c}"),
-            Self::Map { c } => write!(formatter, "map:{c}"),
-        }
-    }
-}
-
-impl From<Alignment> for String {
-    fn from(alignment: Alignment) -> Self {
-        alignment.to_string()
-    }
-}
-
-impl TryFrom<String> for Alignment {
-    type Error = ParseAlignmentError;
-
-    fn try_from(text: String) -> Result<Self, Self::Error> {
-        text.parse()
-    }
-}
 
 /// How a map is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -330,11 +235,16 @@ fn align(
     let top = lobes.levels() - 1;
     let map = Arc::clone(&lobes.map);
     let looks = if between::refines(&aligned) { Some(Looks::new(&map, monitor)?) } else { None };
+    // By level, for the lobes that are kept at last.
+    let mut seconds = vec![0.0; lobes.levels()];
+    let timed = std::time::Instant::now();
     // The top is shared by both fits; alignment starts below it.
     match lobes.level(top).cloned() {
         // Every slot below descends from one of the top, so the top has to fill them all.
         Some(_) if selects => {
-            let (mixtures, stats) = unaligned::fit_level(lobes, top, &aligned, monitor)?;
+            let (mixtures, mut stats) = unaligned::fit_level(lobes, top, &aligned, monitor)?;
+            stats.seconds = timed.elapsed().as_secs_f64();
+            seconds[top] = stats.seconds;
             keep(lobes, top, Arc::new(mixtures), stats, Stage::Aligned, report);
         }
         Some(mixtures) => keep(lobes, top, mixtures, own[top], Stage::Done, report),
@@ -350,6 +260,7 @@ fn align(
             (Alignment::None | Alignment::Paper { .. } | Alignment::Map { .. }, None) => break,
         };
         stats.seconds = timed.elapsed().as_secs_f64();
+        seconds[level] = stats.seconds;
         stats.log_likelihood_lost = own[level].mean_log_likelihood - stats.mean_log_likelihood;
         let stage = if selects { Stage::Aligned } else { Stage::Done };
         keep(lobes, level, Arc::new(mixtures), stats, stage, report);
@@ -361,6 +272,7 @@ fn align(
         for (level, own) in own.iter().enumerate().skip(1) {
             let Some(mixtures) = lobes.coarse[level - 1].take() else { continue };
             let mut stats = smooth::stats(&lobes.map, &mixtures, &aligned, monitor)?;
+            stats.seconds = seconds[level];
             stats.log_likelihood_lost = own.mean_log_likelihood - stats.mean_log_likelihood;
             keep(lobes, level, Arc::new(Arc::unwrap_or_clone(mixtures).trimmed()), stats, Stage::Done, report);
         }

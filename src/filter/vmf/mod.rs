@@ -1,5 +1,6 @@
 //! Mixtures of von Mises-Fisher lobes: fitting, alignment, storage and shading.
 
+pub mod alignment;
 pub mod appearance;
 pub mod base_slots;
 pub mod between;
@@ -51,10 +52,11 @@ use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf;
 use crate::sphere::{Lobe, Mixture};
 
+pub use alignment::Alignment;
 pub use coherence::Coherence;
 pub use color::ColorLevel;
 pub use em::EStep;
-pub use fit::{Alignment, FitEvent, FitSettings, LevelStats, Stage};
+pub use fit::{FitEvent, FitSettings, LevelStats, Stage};
 pub use monitor::{Cancelled, Monitor};
 pub use objective::Objective;
 pub use pyramid::{BaseSlots, LobePyramid, MixtureLevel};

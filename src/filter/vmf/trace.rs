@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use super::alignment::Alignment;
 use super::em::TexelLobes;
-use super::fit::{Alignment, FitSettings};
+use super::fit::FitSettings;
 use super::pyramid::LobePyramid;
 use super::{scanline, smooth, unaligned};
 use crate::normal_map::pyramid::Texel;
