@@ -10,14 +10,14 @@
 use std::ops::Range;
 
 use super::children::Children;
-use super::crowd::{self, CrowdLobes, CrowdStop};
+use super::crowd::{self, CrowdLobes, CrowdSamples, CrowdStop};
 use super::em::{self, Stop, TexelFit, TexelLobes};
-use super::gauss_newton;
 use super::lanes::LANES;
 use super::merge::{Blurred, Candidates, Ward};
-use super::samples::{FootprintSamples, Samples};
+use super::samples::Samples;
 use super::seed;
 use super::unaligned::{LevelFit, TexelTask, small};
+use super::{crowd_gauss_newton, gauss_newton};
 use crate::normal_map::pyramid::Footprint;
 
 /// EM iterations between the merge and the steps.
@@ -63,21 +63,15 @@ pub fn fit_crowd(
             let merge = || merged(&job.children(texels.start + lane), footprint.len(), settings.lobes);
             lobes.set(lane, &exact.unwrap_or_else(merge));
         }
-        let mut run = |lobes: &mut CrowdLobes, iterations: [usize; LANES]| {
+        let run = |samples: &mut CrowdSamples, lobes: &mut CrowdLobes, iterations: [usize; LANES]| {
             lobes.prepare();
             samples.fit(lobes, &CrowdStop { iterations, tolerance: f32::NEG_INFINITY })
         };
-        let total = run(&mut lobes, iterations).total;
-        let mut fitted = [TexelLobes::empty(settings.lobes); LANES];
-        for (lane, footprint) in footprints.iter().enumerate() {
-            fitted[lane] = lobes.texel(lane, total[lane]);
-            let steps = if searched[lane] { steps } else { 0 };
-            gauss_newton::refine(&FootprintSamples::new(map, *footprint), &mut fitted[lane], steps, &mut || true);
-            lobes.set(lane, &fitted[lane]);
-        }
-        let outcome = run(&mut lobes, [0; LANES]);
-        for (lane, lobes) in fitted[..footprints.len()].iter().enumerate() {
-            let lobes = lobes.settled(settings.kappa);
+        run(samples, &mut lobes, iterations);
+        crowd_gauss_newton::refine(samples, &mut lobes, steps, &searched);
+        let outcome = run(samples, &mut lobes, [0; LANES]);
+        for lane in 0..footprints.len() {
+            let lobes = lobes.texel(lane, outcome.total[lane]).settled(settings.kappa);
             let mean_log_likelihood = f64::from(outcome.mean_log_likelihood[lane]);
             keep(lane, &TexelFit { lobes, mean_log_likelihood, iterations: iterations[lane] });
         }

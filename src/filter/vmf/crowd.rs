@@ -7,203 +7,16 @@
 
 #![expect(clippy::needless_range_loop, reason = "lanes of several arrays are walked by one index, which vectorises")]
 
-use std::cell::RefCell;
-use std::f32::consts::LOG2_E;
-
-use glam::{DVec3, Vec3, Vec4Swizzles};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
-use super::em::TexelLobes;
-use super::kernel::{self, BLOCK, LOG_ZERO, LaneSums, ReadLobes, SampleSlices};
+use super::kernel::{self, BLOCK, LaneSums, ReadLobes, SampleSlices};
 use super::lanes::{LANES, Lanes};
 use super::lobe_lanes::LobeLanes;
-use crate::normal_map::NormalMap;
-use crate::normal_map::pyramid::Footprint;
-use crate::sphere::StoredLobe;
-use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
-use crate::sphere::vmf::KappaRule;
+use crate::sphere::mixture::EMPTY_WEIGHT;
 
-/// Most normals of a footprint that joins a crowd: those of level 3, with room for sizes that are no power of two.
-pub const MOST_NORMALS: usize = 100;
-
-/// The normals of a crowd's texels, the first of every texel before the second of any.
-pub struct CrowdSamples {
-    x: Box<[Lanes]>,
-    y: Box<[Lanes]>,
-    z: Box<[Lanes]>,
-    w: Box<[Lanes]>,
-    /// Normals of the largest footprint.
-    len: usize,
-    scratch: Box<kernel::Scratch>,
-}
-
-thread_local! {
-    static SAMPLES: RefCell<CrowdSamples> = RefCell::default();
-}
-
-/// The most normals that a footprint of a level of size `size` may have; those whose boxes cut base texels reach one
-/// further on either side.
-pub fn most_normals(map: &NormalMap, size: (usize, usize)) -> usize {
-    let along = |base: usize, count: usize| if base.is_multiple_of(count) { base / count } else { base / count + 2 };
-    along(map.width, size.0) * along(map.height, size.1)
-}
-
-/// Gathers the normals of the `count` texels from `first` on of a level of size `size`, row by row, and shows them to
-/// `visit`, with their footprints; `None` where footprints of the level may be too large for a crowd.
-pub fn with_crowd<R>(
-    map: &NormalMap,
-    size: (usize, usize),
-    first: usize,
-    count: usize,
-    visit: impl FnOnce(&mut CrowdSamples, &[Footprint]) -> R,
-) -> Option<R> {
-    if most_normals(map, size) > MOST_NORMALS {
-        return None;
-    }
-    let footprint = |index: usize| Footprint::new((map.width, map.height), size, (index % size.0, index / size.0));
-    let mut footprints = [footprint(first); LANES];
-    let footprints = &mut footprints[..count.min(LANES)];
-    footprints.iter_mut().enumerate().for_each(|(lane, own)| *own = footprint(first + lane));
-    Some(SAMPLES.with_borrow_mut(|samples| {
-        samples.gather(map, footprints);
-        visit(samples, footprints)
-    }))
-}
-
-impl Default for CrowdSamples {
-    fn default() -> Self {
-        let zeros = || vec![Lanes::splat(0.0); MOST_NORMALS].into_boxed_slice();
-        let scratch = Box::new(kernel::Scratch::EMPTY);
-        Self { x: zeros(), y: zeros(), z: zeros(), w: zeros(), len: 0, scratch }
-    }
-}
-
-impl CrowdSamples {
-    /// Takes in the normals of at most [`LANES`] footprints of at most [`MOST_NORMALS`] each.
-    fn gather(&mut self, map: &NormalMap, footprints: &[Footprint]) {
-        self.len = footprints.iter().map(Footprint::len).max().unwrap_or(0).min(MOST_NORMALS);
-        for array in [&mut self.x, &mut self.y, &mut self.z, &mut self.w] {
-            array[..self.len].fill(Lanes::splat(0.0));
-        }
-        for (lane, footprint) in footprints.iter().enumerate().take(LANES) {
-            for (n, (x, y, area)) in footprint.texels().enumerate().take(self.len) {
-                let index = y * map.width + x;
-                let (x, y, z) = (map.x[index], map.y[index], map.z[index]);
-                // An invalid texel is a zero vector.
-                let weight = if (x, y, z) == (0.0, 0.0, 0.0) { 0.0 } else { area };
-                (self.x[n].0[lane], self.y[n].0[lane], self.z[n].0[lane], self.w[n].0[lane]) = (x, y, z, weight);
-            }
-        }
-    }
-}
-
-/// The mixtures of a crowd's texels, by slot.
-#[derive(Clone, Debug)]
-pub struct CrowdLobes {
-    /// Slots in use.
-    pub count: usize,
-    rule: KappaRule,
-    /// Weights; 0 is an empty slot.
-    pub(super) alpha: [Lanes; MAX_LOBES],
-    /// Mean resultant vectors, by axis.
-    pub(super) resultant: [[Lanes; 3]; MAX_LOBES],
-    /// The lobes of the E-step.
-    lobes: [LobeLanes; MAX_LOBES],
-}
-
-impl ReadLobes for CrowdLobes {
-    #[inline(always)]
-    fn count(&self) -> usize {
-        self.count.min(MAX_LOBES)
-    }
-
-    #[inline(always)]
-    fn lobe(&self, j: usize) -> LobeLanes {
-        self.lobes[j]
-    }
-}
-
-/// Which lanes a step may change.
-pub type Mask = [bool; LANES];
-
-impl CrowdLobes {
-    /// Empty slots.
-    pub fn empty(count: usize, rule: KappaRule) -> Self {
-        let zero = Lanes::splat(0.0);
-        Self {
-            count: count.min(MAX_LOBES),
-            rule,
-            alpha: [zero; MAX_LOBES],
-            resultant: [[zero; 3]; MAX_LOBES],
-            lobes: [LobeLanes::EMPTY; MAX_LOBES],
-        }
-    }
-
-    /// Sets one texel's mixture; [`Self::prepare`] makes it count.
-    pub fn set(&mut self, lane: usize, lobes: &TexelLobes) {
-        for j in 0..self.count.min(lobes.count) {
-            self.alpha[j].0[lane] = lobes.alpha[j] as f32;
-            let resultant = lobes.resultant[j].as_vec3().to_array();
-            self.resultant[j].iter_mut().zip(resultant).for_each(|(lanes, r)| lanes.0[lane] = r);
-        }
-    }
-
-    /// Works out the lobes of the E-step from weights and resultants.
-    pub fn prepare(&mut self) {
-        prepare(self);
-    }
-
-    /// Makes the E-step's lobes of one texel centres of equal concentration and peak, to which an E-step assigns.
-    pub fn set_centres(&mut self, lane: usize, centres: &[Vec3], kappa: f32) {
-        for (j, lobe) in self.lobes.iter_mut().enumerate().take(self.count) {
-            let centre = centres.get(j);
-            lobe.scale.0[lane] = if centre.is_some() { 0.0 } else { LOG_ZERO };
-            lobe.factor.0[lane] = -0.5 * LOG2_E * kappa;
-            let mu = centre.unwrap_or(&Vec3::Z).to_array();
-            lobe.mu.iter_mut().zip(mu).for_each(|(lanes, mu)| lanes.0[lane] = mu);
-        }
-    }
-
-    /// Takes one texel's lobes from another crowd.
-    pub fn take(&mut self, other: &Self, lane: usize) {
-        for j in 0..self.count {
-            self.alpha[j].0[lane] = other.alpha[j].0[lane];
-            let (own, theirs) = (&mut self.lobes[j], &other.lobes[j]);
-            (own.factor.0[lane], own.scale.0[lane]) = (theirs.factor.0[lane], theirs.scale.0[lane]);
-            for axis in 0..3 {
-                self.resultant[j][axis].0[lane] = other.resultant[j][axis].0[lane];
-                own.mu[axis].0[lane] = theirs.mu[axis].0[lane];
-            }
-        }
-    }
-
-    /// Writes one texel's mixture to its slots; `total` is the weight of its normals, as for [`Self::texel`].
-    pub fn store(&self, lane: usize, total: f32, target: &mut [StoredLobe]) {
-        if total <= 0.0 {
-            return TexelLobes::flat(self.count).store(target);
-        }
-        for ((alpha, resultant), stored) in self.alpha.iter().zip(&self.resultant).zip(target) {
-            let [x, y, z] = resultant;
-            let r = Vec3::new(x.0[lane], y.0[lane], z.0[lane]).clamp_length_max(1.0);
-            *stored = (alpha.0[lane] * r.extend(1.0)).wxyz().to_array();
-        }
-    }
-
-    /// One texel's mixture; `total` is the weight of its normals, and without any it is one flat lobe.
-    pub fn texel(&self, lane: usize, total: f32) -> TexelLobes {
-        if total <= 0.0 {
-            return TexelLobes::flat(self.count);
-        }
-        let mut lobes = TexelLobes::empty(self.count);
-        for j in 0..self.count {
-            let [x, y, z] = self.resultant[j].map(|lanes| f64::from(lanes.0[lane]));
-            lobes.alpha[j] = f64::from(self.alpha[j].0[lane]);
-            lobes.resultant[j] = DVec3::new(x, y, z).clamp_length_max(1.0);
-        }
-        lobes
-    }
-}
+pub use super::crowd_lobes::{CrowdLobes, Mask};
+pub use super::crowd_samples::{CrowdSamples, MOST_NORMALS, each_normal, most_normals, with_crowd};
 
 /// When a crowd's iterations end, texel by texel.
 #[derive(Clone, Copy, Debug)]
@@ -274,24 +87,6 @@ fn e_step(samples: &mut CrowdSamples, lobes: &CrowdLobes) {
     }
 }
 
-#[multiversion(targets(
-    "x86_64+avx+avx2+bmi1+bmi2+fma+avx512f+avx512bw+avx512dq+avx512vl",
-    "x86_64+avx+avx2+bmi1+bmi2+fma",
-    "x86_64+sse4.1"
-))]
-fn prepare(lobes: &mut CrowdLobes) {
-    const FMA: bool = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
-    for j in 0..lobes.count() {
-        let resultant = &lobes.resultant[j];
-        let mut shortfall = Lanes::splat(0.0);
-        for i in 0..LANES {
-            let (x, y, z) = (f64::from(resultant[0].0[i]), f64::from(resultant[1].0[i]), f64::from(resultant[2].0[i]));
-            shortfall.0[i] = (1.0 - (x * x + y * y + z * z)) as f32;
-        }
-        lobes.lobes[j] = LobeLanes::new::<FMA>(&lobes.alpha[j], resultant, &shortfall, lobes.rule);
-    }
-}
-
 /// `r = mu + d` with d the mean deviation, so `1 - |r|^2 = -(2 mu.d + |d|^2)`.
 #[multiversion(targets(
     "x86_64+avx+avx2+bmi1+bmi2+fma+avx512f+avx512bw+avx512dq+avx512vl",
@@ -335,10 +130,13 @@ fn m_step(sums: &LaneSums, lobes: &mut CrowdLobes, mask: &Mask) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::filter::vmf::em::{self, Stop};
+    use crate::filter::vmf::em::{self, Stop, TexelLobes};
     use crate::filter::vmf::samples::FootprintSamples;
     use crate::filter::vmf::seed;
-    use crate::normal_map::procedural;
+    use crate::normal_map::pyramid::Footprint;
+    use crate::normal_map::{NormalMap, procedural};
+    use crate::sphere::vmf::KappaRule;
+    use glam::DVec3;
 
     /// A map of an odd size, whose footprints differ, with texels that are invalid.
     fn map() -> NormalMap {

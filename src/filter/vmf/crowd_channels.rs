@@ -17,12 +17,14 @@ pub struct CrowdChannels {
     /// Slots in use.
     count: usize,
     channels: [[Lanes; 4]; MAX_LOBES],
+    lobes: CrowdLobes,
 }
 
 impl CrowdChannels {
     /// Empty slots.
-    pub fn empty(count: usize) -> Self {
-        Self { count: count.min(MAX_LOBES), channels: [[Lanes::splat(0.0); 4]; MAX_LOBES] }
+    pub fn empty(count: usize, rule: KappaRule) -> Self {
+        let channels = [[Lanes::splat(0.0); 4]; MAX_LOBES];
+        Self { count: count.min(MAX_LOBES), channels, lobes: CrowdLobes::empty(count, rule) }
     }
 
     /// Sets one texel's slots.
@@ -36,11 +38,10 @@ impl CrowdChannels {
     }
 
     /// The lobes, ready for an E-step: weights in use made at least `least`, then to sum to 1.
-    pub fn lobes(&self, least: f32, rule: KappaRule) -> CrowdLobes {
-        let mut lobes = CrowdLobes::empty(self.count, rule);
-        read(self, least, &mut lobes);
-        lobes.prepare();
-        lobes
+    pub fn lobes(&mut self, least: f32) -> &mut CrowdLobes {
+        read(&self.channels[..self.count], least, &mut self.lobes);
+        self.lobes.prepare();
+        &mut self.lobes
     }
 }
 
@@ -49,10 +50,9 @@ impl CrowdChannels {
     "x86_64+avx+avx2+bmi1+bmi2+fma",
     "x86_64+sse4.1"
 ))]
-fn read(from: &CrowdChannels, least: f32, lobes: &mut CrowdLobes) {
+fn read(from: &[[Lanes; 4]], least: f32, lobes: &mut CrowdLobes) {
     let mut total = [f32::MIN_POSITIVE; LANES];
-    for j in 0..from.count {
-        let [stored, vector @ ..] = &from.channels[j];
+    for (j, [stored, vector @ ..]) in from.iter().enumerate() {
         for i in 0..LANES {
             let used = stored.0[i] > EMPTY_WEIGHT;
             // Divided, not multiplied by the inverse: a second rounding would be seen in the kappa of sharp lobes.
@@ -65,7 +65,7 @@ fn read(from: &CrowdChannels, least: f32, lobes: &mut CrowdLobes) {
             }
         }
     }
-    for alpha in &mut lobes.alpha[..from.count] {
+    for alpha in &mut lobes.alpha[..from.len()] {
         for i in 0..LANES {
             alpha.0[i] /= total[i];
         }
@@ -80,25 +80,25 @@ mod tests {
     #[test]
     fn lobes_of_channels_are_stored_as_they_were() {
         let stored = [[0.25, 0.1, -0.05, 0.2], [0.75, -0.3, 0.0, 0.6], [0.0; 4]];
-        let mut channels = CrowdChannels::empty(3);
+        let mut channels = CrowdChannels::empty(3, KappaRule::Exact);
         (0..3).for_each(|slot| channels.set_slot(5, slot, stored[slot]));
-        let lobes = channels.lobes(0.0, KappaRule::Exact);
-        let mut read = [[1.0; 4]; 3];
-        lobes.store(5, 1.0, &mut read);
-        for (read, stored) in read.iter().flatten().zip(stored.iter().flatten()) {
+        let lobes = channels.lobes(0.0);
+        let (mut read, mut total) = ([[1.0; 4]; 6 * 3], [1.0; LANES]);
+        lobes.store(&total, &mut read);
+        for (read, stored) in read[5 * 3..].iter().flatten().zip(stored.iter().flatten()) {
             assert!((read - stored).abs() < 1e-7);
         }
-        let mut flat = [[1.0; 4]; 3];
-        lobes.store(5, 0.0, &mut flat);
-        assert_eq!(flat, [TexelLobes::flat(1).stored(0), [0.0; 4], [0.0; 4]]);
+        total[5] = 0.0;
+        lobes.store(&total, &mut read);
+        assert_eq!(read[5 * 3..], [TexelLobes::flat(1).stored(0), [0.0; 4], [0.0; 4]]);
     }
 
     #[test]
     fn a_weight_in_use_is_raised_and_an_empty_slot_stays_empty() {
-        let mut channels = CrowdChannels::empty(3);
+        let mut channels = CrowdChannels::empty(3, KappaRule::Exact);
         channels.set_slot(0, 0, [0.99, 0.0, 0.0, 0.9]);
         channels.set_slot(0, 1, [0.01, 0.0, 0.0, 0.01]);
-        let texel = channels.lobes(0.02, KappaRule::Exact).texel(0, 1.0);
+        let texel = channels.lobes(0.02).texel(0, 1.0);
         assert!((texel.alpha[0] - 0.99 / 1.01).abs() < 1e-6 && (texel.alpha[1] - 0.02 / 1.01).abs() < 1e-6);
         assert_eq!(texel.alpha[2].to_bits(), 0.0_f64.to_bits());
     }

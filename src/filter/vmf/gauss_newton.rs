@@ -22,23 +22,23 @@ use crate::sphere::mixture::MAX_LOBES;
 const EACH: usize = 4;
 
 /// The first step's damping; it falls by [`EASED`] where a step is kept and rises by [`RAISED`] where it is not.
-const DAMPING: f64 = 3e-2;
+pub const DAMPING: f64 = 3e-2;
 
 /// Factor on the damping after a step that is kept.
-const EASED: f64 = 0.2;
+pub const EASED: f64 = 0.2;
 
 /// Factor on the damping after a step that is not.
-const RAISED: f64 = 10.0;
+pub const RAISED: f64 = 10.0;
 
 /// Added to the whole diagonal, of its largest entry: an unknown that no material sees, such as the kappa of a lobe far
 /// sharper than any, stays where it is rather than follow the rounding of the sums.
-const FLOOR: f64 = 1e-6;
+pub const FLOOR: f64 = 1e-6;
 
 /// Most that a weight or a concentration changes in a step, as a logarithm: a factor of 10.
 const LOG_LIMIT: f64 = std::f64::consts::LN_10;
 
 /// Most that a direction turns in a step, as a tangent's length.
-const TURN_LIMIT: f64 = 0.5;
+pub const TURN_LIMIT: f64 = 0.5;
 
 /// Takes `steps` steps from `lobes`, keeping those that lower Phi; `proceed` returns false to stop early.
 pub fn refine(samples: &impl Samples, lobes: &mut TexelLobes, steps: usize, proceed: &mut dyn FnMut() -> bool) {

@@ -10,7 +10,7 @@
 pub const LANES: usize = 16;
 
 /// One group of lanes, placed so that a load never straddles two cache lines.
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub struct Lanes(pub [f32; LANES]);
 
@@ -35,6 +35,15 @@ impl Lanes {
 #[inline(always)]
 pub fn lanes(slice: &[f32], group: usize) -> [f32; LANES] {
     match slice[group * LANES..].first_chunk() {
+        Some(lanes) => *lanes,
+        None => [0.0; LANES],
+    }
+}
+
+/// The lanes of a slice from `start` on, as a copy; zeros beyond its end.
+#[inline(always)]
+pub fn window(slice: &[f32], start: usize) -> [f32; LANES] {
+    match slice.get(start..).and_then(<[f32]>::first_chunk) {
         Some(lanes) => *lanes,
         None => [0.0; LANES],
     }

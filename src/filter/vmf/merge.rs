@@ -6,11 +6,9 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::em::TexelLobes;
+use super::merge_costs::{self, Columns, Costs, MAX_CANDIDATES};
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf::{self, KAPPA_MAX, KappaRule};
-
-/// Most candidates a texel has: a box reaches into at most 4 by 4 children.
-const MAX_CANDIDATES: usize = 16 * MAX_LOBES;
 
 /// A lobe that may be merged, with what a criterion wants to know of it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,6 +50,15 @@ pub trait Criterion {
     fn pair_cost(&self, a: &Candidate, b: &Candidate) -> f64 {
         self.cost(a, b, &self.merged(a, b))
     }
+
+    /// The cost of merging lobe `i` with each of the others, and something for itself; in single precision, so that
+    /// what differs by rounding only is a tie.
+    fn costs(&self, candidates: &Candidates, i: usize, costs: &mut Costs) {
+        let lobes = candidates.lobes();
+        for (cost, other) in costs.iter_mut().zip(lobes) {
+            *cost = self.pair_cost(&lobes[i], other) as f32;
+        }
+    }
 }
 
 /// The integrated squared change of the mixture as a material of exponent `s` shades it: every lobe a planar Gaussian
@@ -79,6 +86,10 @@ impl Criterion for Blurred {
         let product = |a: &Candidate, b: &Candidate| 2.0 * a.alpha * b.alpha * overlap(a, b);
         square(a) + square(b) + square(merged) + product(a, b) - product(a, merged) - product(b, merged)
     }
+
+    fn costs(&self, candidates: &Candidates, i: usize, costs: &mut Costs) {
+        merge_costs::blurred(&candidates.columns, candidates.count, i, 1.0 / (self.shininess as f32 + 1.0), costs);
+    }
 }
 
 /// Ward's criterion, `aa ab / (aa + ab) |ra - rb|^2`: the growth of the squared distance to the means (Ward 1963).
@@ -100,6 +111,10 @@ impl Criterion for Ward {
 
     fn pair_cost(&self, a: &Candidate, b: &Candidate) -> f64 {
         a.alpha * b.alpha / (a.alpha + b.alpha) * a.resultant.distance_squared(b.resultant)
+    }
+
+    fn costs(&self, candidates: &Candidates, i: usize, costs: &mut Costs) {
+        merge_costs::ward(&candidates.columns, candidates.count, i, costs);
     }
 }
 
@@ -123,12 +138,13 @@ impl Criterion for KullbackLeibler {
 #[derive(Clone, Debug)]
 pub struct Candidates {
     lobes: [Candidate; MAX_CANDIDATES],
+    columns: Columns,
     count: usize,
 }
 
 impl Default for Candidates {
     fn default() -> Self {
-        Self { lobes: [Candidate::default(); MAX_CANDIDATES], count: 0 }
+        Self { lobes: [Candidate::default(); MAX_CANDIDATES], columns: Columns::EMPTY, count: 0 }
     }
 }
 
@@ -136,9 +152,14 @@ impl Candidates {
     /// Adds a lobe; one without weight, or beyond the room there is, is left out.
     pub fn push(&mut self, candidate: Candidate) {
         if candidate.alpha > f64::from(EMPTY_WEIGHT) && self.count < MAX_CANDIDATES {
-            self.lobes[self.count] = candidate;
             self.count += 1;
+            self.set(self.count - 1, candidate);
         }
+    }
+
+    fn set(&mut self, index: usize, candidate: Candidate) {
+        self.columns.set(index, candidate.alpha as f32, candidate.resultant.as_vec3(), candidate.feature as f32);
+        self.lobes[index] = candidate;
     }
 
     /// The lobes there are.
@@ -150,55 +171,58 @@ impl Candidates {
     pub fn merge_down_to(&mut self, wanted: usize, criterion: &impl Criterion) {
         // The cheapest partner of each lobe among those after it.
         let mut partners = [Partner::NONE; MAX_CANDIDATES];
+        let mut costs = [0.0; MAX_CANDIDATES];
         if self.count > wanted {
-            (0..self.count).for_each(|i| partners[i] = self.partner_of(i, criterion));
+            (0..self.count).for_each(|i| partners[i] = self.partner_of(i, criterion, &mut costs));
         }
         while self.count > wanted.max(1) {
             let cheapest = (0..self.count - 1).min_by(|&i, &k| partners[i].rank(&partners[k]));
             let Some(i) = cheapest else { return };
-            self.merge(i, &mut partners, criterion);
+            self.merge(i, &mut partners, criterion, &mut costs);
         }
     }
 
     /// Merges lobe `i` with its partner: the sum takes its place, the last lobe takes the partner's.
-    fn merge(&mut self, i: usize, partners: &mut [Partner; MAX_CANDIDATES], criterion: &impl Criterion) {
+    fn merge(
+        &mut self,
+        i: usize,
+        partners: &mut [Partner; MAX_CANDIDATES],
+        criterion: &impl Criterion,
+        costs: &mut Costs,
+    ) {
         let (j, last) = (partners[i].index, self.count - 1);
-        self.lobes[i] = criterion.merged(&self.lobes[i], &self.lobes[j]);
-        self.lobes[j] = self.lobes[last];
+        self.set(i, criterion.merged(&self.lobes[i], &self.lobes[j]));
+        self.set(j, self.lobes[last]);
         self.count = last;
-        partners[i] = self.partner_of(i, criterion);
-        if j < last {
-            partners[j] = self.partner_of(j, criterion);
+        let moved = |k: usize| k == i || k == j;
+        let mut stale = [false; MAX_CANDIDATES];
+        for k in (0..last).filter(|&k| !moved(k)) {
+            stale[k] = moved(partners[k].index) || partners[k].index == last;
         }
-        for k in (0..last).filter(|&k| k != i && k != j) {
-            if [i, j, last].contains(&partners[k].index) {
-                partners[k] = self.partner_of(k, criterion);
-                continue;
-            }
-            for changed in [i, j] {
-                if changed > k && changed < last {
-                    partners[k] = partners[k].cheaper(self.partner(k, changed, criterion));
-                }
+        for changed in [i, j].into_iter().filter(|&changed| changed < last) {
+            partners[changed] = self.partner_of(changed, criterion, costs);
+            for k in (0..changed).filter(|&k| !moved(k) && !stale[k]) {
+                partners[k] = partners[k].cheaper(self.partner(k, changed, costs[k]));
             }
         }
+        for k in (0..last).filter(|&k| stale[k]) {
+            partners[k] = self.partner_of(k, criterion, costs);
+        }
     }
 
-    fn partner(&self, i: usize, index: usize, criterion: &impl Criterion) -> Partner {
-        let cost = criterion.pair_cost(&self.lobes[i], &self.lobes[index]) as f32;
-        Partner { index, cost, height: self.height(i, index) }
+    /// Lobe `i` beside lobe `index`, as partners.
+    fn partner(&self, i: usize, index: usize, cost: f32) -> Partner {
+        let height = |i: usize| self.lobes[i].alpha * self.lobes[i].resultant.z;
+        Partner { index, cost, height: (height(i) + height(index)) as f32 }
     }
 
-    fn height(&self, i: usize, index: usize) -> f32 {
-        let of = |i: usize| self.lobes[i].alpha * self.lobes[i].resultant.z;
-        (of(i) + of(index)) as f32
-    }
-
-    fn partner_of(&self, i: usize, criterion: &impl Criterion) -> Partner {
+    /// The cheapest partner of lobe `i` among those after it; `costs` become those of all.
+    fn partner_of(&self, i: usize, criterion: &impl Criterion, costs: &mut Costs) -> Partner {
+        criterion.costs(self, i, costs);
         let mut best = Partner::NONE;
-        for index in i + 1..self.count {
-            let cost = criterion.pair_cost(&self.lobes[i], &self.lobes[index]) as f32;
+        for (index, &cost) in costs[..self.count].iter().enumerate().skip(i + 1) {
             if cost <= best.cost {
-                best = best.cheaper(Partner { index, cost, height: self.height(i, index) });
+                best = best.cheaper(self.partner(i, index, cost));
             }
         }
         best
@@ -222,7 +246,6 @@ impl Candidates {
 #[derive(Clone, Copy, Debug)]
 struct Partner {
     index: usize,
-    /// In single precision, so that what differs by rounding only is a tie.
     cost: f32,
     /// `sum alpha r_z` of the pair: decides a tie, for it is the same in a map mirrored, flipped or turned.
     height: f32,

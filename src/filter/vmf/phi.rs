@@ -22,10 +22,10 @@ use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf::{self, KAPPA_DELTA};
 
 /// What each material's squared distance counts, before it is divided by the fit's own energy there.
-const IMPORTANCE: [f64; MATERIALS.len()] = [16.0, 4.0, 1.0];
+pub const IMPORTANCE: [f64; MATERIALS.len()] = [16.0, 4.0, 1.0];
 
 /// The least concentration that a step may lead to; below, a lobe is uniform.
-const KAPPA_MIN: f64 = 1e-2;
+pub const KAPPA_MIN: f64 = 1e-2;
 
 /// A concentration with `A` and its derivatives.
 #[derive(Clone, Copy, Debug, Default)]

@@ -11,9 +11,10 @@ use std::ops::Range;
 use glam::Vec4;
 use rayon::prelude::*;
 
+use super::bins::{self, BinnedSamples};
 use super::crowd::{self, CrowdStop};
 use super::crowd_channels::CrowdChannels;
-use super::em::TexelLobes;
+use super::em::{self, TexelLobes};
 use super::fit::{FitSettings, LevelStats};
 use super::lanes::LANES;
 use super::monitor::{Cancelled, Monitor};
@@ -32,6 +33,9 @@ pub const PASSES: usize = 20;
 
 /// Jacobi passes per level where the steps of [`super::between`] follow: more gain nothing that is left after them.
 pub const PASSES_BEFORE_STEPS: usize = 10;
+
+/// Levels of at most so many texels keep their normals in cells, some 80 MB of them.
+const MOST_BINNED: usize = 256;
 
 /// Least weight of a lobe in the E-step's mixture, so that a slot which neighbours fill can be filled here.
 const LEAST_WEIGHT: f32 = 0.02;
@@ -67,20 +71,35 @@ pub fn pass_over(
     let mut current = MixtureLevel::empty(size, settings.lobes);
     blend_down(coarse, &mut current, map.options.addressing);
     let mut next = current.clone();
+    let bins = binned(map, size);
     for pass in 0..settings.aligned_passes() {
         let share = if pass == 0 { 0.0 } else { blend };
-        let job = Pass { map, coarse, previous: &current, share, settings };
+        let job = Pass { map, coarse, bins: &bins, previous: &current, share, settings };
         let run = texels_in_run(map, size);
-        next.stored.par_chunks_mut(settings.lobes * run).enumerate().try_for_each(|(index, target)| {
-            monitor.check()?;
-            let firsts = (index * run..).step_by(LANES);
-            let crowds = firsts.zip(target.chunks_mut(settings.lobes * LANES));
-            monitor.visited(level, crowds.map(|(first, target)| job.run(first, target)).sum());
-            Ok(())
-        })?;
+        let fit_run =
+            |room: &mut CrowdChannels, (index, target): (usize, &mut [StoredLobe])| -> Result<(), Cancelled> {
+                monitor.check()?;
+                let firsts = (index * run..).step_by(LANES);
+                let crowds = firsts.zip(target.chunks_mut(settings.lobes * LANES));
+                monitor.visited(level, crowds.map(|(first, target)| job.run(first, room, target)).sum());
+                Ok(())
+            };
+        let runs = next.stored.par_chunks_mut(settings.lobes * run).enumerate();
+        runs.try_for_each_init(|| CrowdChannels::empty(settings.lobes, settings.kappa), fit_run)?;
         std::mem::swap(&mut current, &mut next);
     }
     Ok(current)
+}
+
+/// The normals of a level's texels in cells, texel by texel, where they are visited at a fraction of the cost; else
+/// nothing.
+fn binned(map: &NormalMap, size: (usize, usize)) -> Vec<BinnedSamples> {
+    let count = size.0 * size.1;
+    if count > MOST_BINNED || map.len() / count < bins::WORTHWHILE {
+        return Vec::new();
+    }
+    let footprint = |index: usize| Footprint::new((map.width, map.height), size, (index % size.0, index / size.0));
+    (0..count).into_par_iter().map(|index| BinnedSamples::new(map, &footprint(index))).collect()
 }
 
 /// What a finished level came to.
@@ -129,6 +148,7 @@ pub fn blend_slot(level: &MixtureLevel, taps: &[(usize, f32)], slot: usize) -> V
 struct Pass<'a> {
     map: &'a NormalMap,
     coarse: &'a MixtureLevel,
+    bins: &'a [BinnedSamples],
     previous: &'a MixtureLevel,
     share: f32,
     settings: &'a FitSettings,
@@ -136,15 +156,14 @@ struct Pass<'a> {
 
 impl Pass<'_> {
     /// Fits at most [`LANES`] texels from `first` on into `target`; returns the normals visited.
-    fn run(&self, first: usize, target: &mut [StoredLobe]) -> u64 {
+    fn run(&self, first: usize, channels: &mut CrowdChannels, target: &mut [StoredLobe]) -> u64 {
         let slots = self.settings.lobes;
         let (size, texels) = ((self.previous.width, self.previous.height), target.len() / slots);
         let of_crowd = crowd::with_crowd(self.map, size, first, texels, |samples, footprints| {
-            let mut channels = CrowdChannels::empty(slots);
             (0..texels).for_each(|lane| channels.set(lane, &self.blended(first + lane)));
-            let mut lobes = channels.lobes(LEAST_WEIGHT, self.settings.kappa);
-            let total = samples.step(&mut lobes, &[true; LANES]);
-            target.chunks_mut(slots).enumerate().for_each(|(lane, target)| lobes.store(lane, total[lane], target));
+            let lobes = channels.lobes(LEAST_WEIGHT);
+            let total = samples.step(lobes, &[true; LANES]);
+            lobes.store(&total, target);
             footprints.iter().map(Footprint::len).sum::<usize>() as u64
         });
         of_crowd.unwrap_or_else(|| (first..).zip(target.chunks_mut(slots)).map(|(i, t)| self.run_one(i, t)).sum())
@@ -155,9 +174,11 @@ impl Pass<'_> {
         let size = (self.previous.width, self.previous.height);
         let texel = (index % size.0, index / size.0);
         let footprint = Footprint::new((self.map.width, self.map.height), size, texel);
-        let samples = FootprintSamples::new(self.map, footprint);
         let kernel = self.mixture(index).for_e_step(self.settings.kappa);
-        let sums = samples.e_step(&kernel);
+        let sums = match self.bins.get(index) {
+            Some(bins) => em::e_step(bins, &kernel),
+            None => FootprintSamples::new(self.map, footprint).e_step(&kernel),
+        };
         let mut lobes = TexelLobes::empty(target.len());
         if sums.total > 0.0 {
             lobes.m_step(&kernel, &sums);
@@ -183,25 +204,21 @@ impl Pass<'_> {
     /// A texel's own channels and, for their share, the weighted mean of the neighbours' and of the coarse texels'
     /// around.
     fn blended(&self, own: usize) -> [Vec4; MAX_LOBES] {
-        let (previous, slots) = (self.previous, self.settings.lobes);
-        let of = |level: &MixtureLevel, texel: usize, slot: usize| Vec4::from(level.stored[texel * slots + slot]);
+        let previous = self.previous;
         let mut blended = [Vec4::ZERO; MAX_LOBES];
-        let blended_slots = blended.iter_mut().take(slots).enumerate();
-        if self.share <= 0.0 {
-            blended_slots.for_each(|(slot, value)| *value = of(previous, own, slot));
-            return blended;
-        }
-        let (x, y) = (own % previous.width, own / previous.width);
-        let addressing = self.map.options.addressing;
-        let taps = coarse_taps(self.coarse, (previous.width, previous.height), (x, y), addressing);
-        let (around, count, total) = neighbours((previous.width, previous.height), (x, y), addressing);
-        let share = self.share / (1.0 + total);
-        for (slot, value) in blended_slots {
-            let mut sum = blend_slot(self.coarse, &taps, slot);
-            for &(texel, weight) in &around[..count] {
-                sum += weight * of(previous, texel, slot);
-            }
-            *value = (1.0 - self.share) * of(previous, own, slot) + share * sum;
+        let mut add = |level: &MixtureLevel, texel: usize, weight: f32| {
+            let stored = &level.stored[texel * level.lobes..(texel + 1) * level.lobes];
+            blended.iter_mut().zip(stored).for_each(|(sum, &stored)| *sum += weight * Vec4::from(stored));
+        };
+        add(previous, own, 1.0 - self.share);
+        if self.share > 0.0 {
+            let (size, texel) = ((previous.width, previous.height), (own % previous.width, own / previous.width));
+            let addressing = self.map.options.addressing;
+            let (around, count, total) = neighbours(size, texel, addressing);
+            let share = self.share / (1.0 + total);
+            around[..count].iter().for_each(|&(texel, weight)| add(previous, texel, share * weight));
+            let taps = coarse_taps(self.coarse, size, texel, addressing);
+            taps.iter().for_each(|&(texel, weight)| add(self.coarse, texel, share * weight));
         }
         blended
     }
@@ -269,13 +286,12 @@ fn add_log_likelihoods(
     let size = (mixtures.width, mixtures.height);
     let place = |index: usize| (index % size.0, index / size.0);
     let of_crowd = crowd::with_crowd(map, size, texels.start, texels.len(), |samples, _| {
-        let mut channels = CrowdChannels::empty(mixtures.lobes);
+        let mut channels = CrowdChannels::empty(mixtures.lobes, settings.kappa);
         for (lane, index) in texels.clone().enumerate() {
             let (x, y) = place(index);
             mixtures.texel(x, y).iter().enumerate().for_each(|(slot, &stored)| channels.set_slot(lane, slot, stored));
         }
-        let mut lobes = channels.lobes(0.0, settings.kappa);
-        samples.fit(&mut lobes, &CrowdStop { iterations: [0; LANES], tolerance: 0.0 }).mean_log_likelihood
+        samples.fit(channels.lobes(0.0), &CrowdStop { iterations: [0; LANES], tolerance: 0.0 }).mean_log_likelihood
     });
     match of_crowd {
         Some(means) => means[..texels.len()].iter().for_each(|&mean| totals.add_log_likelihood(f64::from(mean))),
@@ -316,7 +332,7 @@ pub fn trace_texel(lobes: &LobePyramid, texel: Texel, blend: f32, settings: &Fit
     let mut target = vec![[0.0; 4]; level.lobes];
     for pass in 0..settings.aligned_passes() {
         let share = if pass == 0 { 0.0 } else { blend };
-        Pass { map, coarse, previous: &seeded, share, settings: &settings }.run_one(index, &mut target);
+        Pass { map, coarse, bins: &[], previous: &seeded, share, settings: &settings }.run_one(index, &mut target);
         seeded.stored[slots.clone()].copy_from_slice(&target);
         log_likelihood.push(likelihood(&seeded));
     }
