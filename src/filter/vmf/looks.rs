@@ -8,6 +8,7 @@ use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 use rayon::prelude::*;
 
+use super::joint_rows;
 use super::kernel::SampleSlices;
 use super::lanes::{LANES, exp_of_negative};
 use super::monitor::{Cancelled, Monitor};
@@ -31,10 +32,7 @@ pub const MOST_DIRECTIONS: usize = 13 * LANES;
 const RINGS: usize = 9;
 
 /// A direction is used where the whole map looks this bright, against its brightest.
-const SEEN: f32 = 1e-3;
-
-/// The finest level that has looks: a level-1 texel's four normals fit its lobes.
-pub const FINEST: usize = 2;
+const SEEN: f64 = 1e-3;
 
 /// Levels of more texels than this are not kept, some 100 MB, but worked out whenever they are read.
 const MOST_KEPT: usize = 1 << 18;
@@ -125,7 +123,7 @@ fn accumulate(samples: &SampleSlices, directions: &Directions, neg_half_kappa: f
     sum.total += samples.w.iter().map(|&w| f64::from(w)).sum::<f64>();
 }
 
-/// The looks of every texel from level [`FINEST`] up.
+/// The looks of every texel but of those with few normals, which need none ([`super::joint_rows`]).
 #[derive(Clone, Debug)]
 pub struct Looks<'a> {
     map: &'a NormalMap,
@@ -140,20 +138,46 @@ impl<'a> Looks<'a> {
     /// Takes the looks of `map`.
     pub fn new(map: &'a NormalMap, monitor: &Monitor) -> Result<Self, Cancelled> {
         let mut own = Self { map, sizes: map.level_sizes(), directions: Directions::new(|_| true), kept: Vec::new() };
-        let mut whole = [0.0; MOST_DIRECTIONS];
-        own.work_out(own.sizes.len() - 1, (0, 0), &mut whole);
-        let brightest = whole.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
-        own.directions = Directions::new(|i| whole[i] > SEEN * brightest);
-        for level in 0..own.sizes.len() {
+        if let Some(finest) = (0..own.sizes.len()).find(|&level| own.keeps(level)) {
+            own.kept = vec![Vec::new(); finest];
+            let looks = own.level(finest, monitor)?;
+            let seen = own.narrow(&looks);
+            own.kept.push(seen);
+        }
+        for level in own.kept.len()..own.sizes.len() {
             let looks = own.level(level, monitor)?;
             own.kept.push(looks);
         }
         Ok(own)
     }
 
+    /// Leaves out the directions in which a level is not seen; returns its looks towards the others.
+    fn narrow(&mut self, looks: &[f32]) -> Vec<f32> {
+        let all = self.directions.len();
+        let mut whole = [0.0_f64; MOST_DIRECTIONS];
+        for look in looks.chunks_exact(all) {
+            whole.iter_mut().zip(look).for_each(|(sum, &value)| *sum += f64::from(value));
+        }
+        let brightest = whole.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let seen: Vec<usize> = (0..all).filter(|&i| whole[i] > SEEN * brightest).collect();
+        self.directions = Directions::new(|i| seen.binary_search(&i).is_ok());
+        let count = self.directions.len();
+        let mut narrowed = vec![0.0; looks.len() / all * count];
+        for (look, out) in looks.chunks_exact(all).zip(narrowed.chunks_exact_mut(count)) {
+            out.iter_mut().zip(&seen).for_each(|(out, &i)| *out = look[i]);
+        }
+        narrowed
+    }
+
+    /// True for a level whose looks are kept.
+    fn keeps(&self, level: usize) -> bool {
+        let (width, height) = self.sizes[level];
+        !joint_rows::is_small(self.map, (width, height)) && width * height <= MOST_KEPT
+    }
+
     fn level(&self, level: usize, monitor: &Monitor) -> Result<Vec<f32>, Cancelled> {
         let (width, height) = self.sizes[level];
-        if level < FINEST || width * height > MOST_KEPT {
+        if !self.keeps(level) {
             return Ok(Vec::new());
         }
         let count = self.directions.len();
@@ -224,7 +248,7 @@ mod tests {
         let map = procedural::find("waves").expect("bundled").make(64);
         let looks = Looks::new(&map, &Monitor::new(vec![1; 7])).expect("nobody cancels");
         let count = looks.directions.len();
-        for level in FINEST..7 {
+        for level in 4..7 {
             let width = 64 >> level;
             let mut row = vec![0.0; width * count];
             looks.read_row(level, width - 1, &mut row);

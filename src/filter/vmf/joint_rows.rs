@@ -1,0 +1,464 @@
+//! The steps of [`super::between`] for small footprints, a texel or a corner a lane, by [`super::channel_phi`]: with few
+//! normals in a texel their looks need no directions, and the products of derivatives have a closed form.
+//!
+//! A row of texels lies in memory as lanes read it, the first texel's neighbour before it and the last one's behind,
+//! so that the four texels of sixteen corners are four windows on two rows. Every squared residual is relative to the
+//! true look's square, a corner's to the mean of its texels'; E is short of a constant.
+
+#![expect(clippy::needless_range_loop, reason = "lanes of several arrays are walked by one index, which vectorises")]
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use super::between::{CENTRE, IDLE, Joint, Level, moved};
+use super::channel_lobes::ChannelLobes;
+use super::channel_phi::{self, ChannelPhi, NormalWindow};
+use super::cholesky::MOST;
+use super::corners::{line, lines, share};
+use super::crowd;
+use super::crowd_system::{CrowdSystem, EACH, Part};
+use super::lanes::{LANES, Lanes, window};
+use super::monitor::Cancelled;
+use super::phi::pair_index;
+use crate::normal_map::pyramid::Footprint;
+use crate::normal_map::{Addressing, NormalMap};
+use crate::sphere::StoredLobe;
+use crate::sphere::mixture::MAX_LOBES;
+
+const ZERO: Lanes = Lanes::splat(0.0);
+
+/// Rows that one task works through: a line of corners is met twice where two tasks meet.
+const ROWS: usize = 8;
+
+/// Most normals of a footprint, those of level 3, with room for sizes that are no power of two: more cost more than
+/// directions.
+const MOST_NORMALS: usize = 100;
+
+/// A level whose texels move together.
+pub struct JointRows<'a> {
+    level: Level<'a>,
+    map: &'a NormalMap,
+    /// The squares of the texels' true looks, a row after the other as rows lie.
+    squares: Vec<f32>,
+    /// The shares of a row's texels in the corner before each and behind it.
+    across: [Vec<f32>; 2],
+}
+
+/// A row of texels: value `x + 1` of each of its columns is texel x's.
+struct TexelRow {
+    /// By axis, then weights, of sum 1; the first normal of every texel before the second of any.
+    normals: [Vec<f32>; 4],
+    /// Channel by channel of every slot.
+    channels: Vec<f32>,
+}
+
+/// Room for a row of texels and the two lines of corners beside it.
+pub struct Rows {
+    /// The rows above and below the line of corners at hand.
+    texels: [TexelRow; 2],
+    /// Equations of the corners above and below, entry by entry.
+    above: Vec<f32>,
+    below: Vec<f32>,
+    lobes: ChannelLobes,
+    phi: ChannelPhi,
+    /// For weights that keep their sum.
+    together: [Part; MAX_LOBES],
+}
+
+impl<'a> JointRows<'a> {
+    /// The level of `map`; `None` where its footprints are too large.
+    pub fn new(map: &'a NormalMap, level: Level<'a>) -> Option<Self> {
+        if !is_small(map, level.size) {
+            return None;
+        }
+        let width = level.size.0;
+        let across = |side| (0..width).map(|x| share(x, side, width, level.addressing)).chain([0.0; LANES]).collect();
+        let mut own = Self { level, map, squares: Vec::new(), across: [across(0), across(1)] };
+        let stride = own.stride();
+        let mut squares = vec![0.0; stride * level.size.1];
+        squares
+            .par_chunks_mut(stride)
+            .enumerate()
+            .for_each_init(|| own.row(), |row, (y, squares)| own.square(y, row, squares));
+        own.squares = squares;
+        Some(own)
+    }
+
+    /// From one column of a row to the next.
+    fn stride(&self) -> usize {
+        self.level.size.0 + 2 + LANES
+    }
+
+    /// Entries of the equations, of which E is none.
+    fn entries(&self) -> usize {
+        let slots = self.level.slots;
+        EACH * slots + EACH * EACH * slots * (slots + 1) / 2
+    }
+
+    fn row(&self) -> TexelRow {
+        let normals = crowd::most_normals(self.map, self.level.size) * self.stride();
+        TexelRow {
+            normals: std::array::from_fn(|_| vec![0.0; normals]),
+            channels: vec![0.0; EACH * self.level.slots * self.stride()],
+        }
+    }
+
+    /// The squares of the looks of row `y`.
+    fn square(&self, y: usize, row: &mut TexelRow, squares: &mut [f32]) {
+        self.gather_normals(y, row);
+        for x in (0..self.level.size.0).step_by(LANES) {
+            let mut energy = ZERO;
+            channel_phi::energy(&row.normals(self.stride(), x + 1), &mut energy);
+            squares[x + 1..x + 1 + LANES].copy_from_slice(&energy.0);
+        }
+        self.close(squares);
+    }
+
+    /// Copies the ends of a column to where their neighbours are.
+    fn close(&self, column: &mut [f32]) {
+        let width = self.level.size.0;
+        let (before, behind) = match self.level.addressing {
+            Addressing::Wrap => (column[width], column[1]),
+            Addressing::Clamp => (column[1], column[width]),
+        };
+        (column[0], column[width + 1]) = (before, behind);
+    }
+
+    /// Takes in the normals of row `y`; a texel without a valid one is flat.
+    fn gather_normals(&self, y: usize, row: &mut TexelRow) {
+        let (map, stride) = (self.map, self.stride());
+        row.normals.iter_mut().for_each(|column| column.fill(0.0));
+        for x in 0..self.level.size.0 {
+            let footprint = Footprint::new((map.width, map.height), self.level.size, (x, y));
+            let mut total = 0.0;
+            crowd::each_normal(map, &footprint, |n, [nx, ny, nz], weight| {
+                let at = n * stride + x + 1;
+                row.normals.iter_mut().zip([nx, ny, nz, weight]).for_each(|(column, value)| column[at] = value);
+                total += weight;
+            });
+            if total > 0.0 {
+                row.normals[3][x + 1..].iter_mut().step_by(stride).for_each(|weight| *weight /= total);
+            } else {
+                row.normals.iter_mut().zip([0.0, 0.0, 1.0, 1.0]).for_each(|(column, value)| column[x + 1] = value);
+            }
+        }
+        row.normals.iter_mut().flat_map(|column| column.chunks_mut(stride)).for_each(|column| self.close(column));
+    }
+
+    /// Takes in row `y`.
+    fn read(&self, from: &[StoredLobe], y: usize, row: &mut TexelRow) {
+        self.gather_normals(y, row);
+        let (slots, width, stride) = (self.level.slots, self.level.size.0, self.stride());
+        for (x, texel) in from[y * width * slots..(y + 1) * width * slots].chunks_exact(slots).enumerate() {
+            for (channel, value) in texel.iter().flatten().enumerate() {
+                row.channels[channel * stride + x + 1] = *value;
+            }
+        }
+        row.channels.chunks_mut(stride).for_each(|column| self.close(column));
+    }
+
+    /// The equations of the corners between the rows at hand, of texels `rows`; returns their part of E.
+    fn corners(&self, rows_of: [usize; 2], rows: &mut Rows) -> f64 {
+        let (stride, counted) = (self.stride(), lines(self.level.size.0, self.level.addressing));
+        let mut energy = 0.0;
+        for start in (0..counted).step_by(LANES) {
+            let Rows { texels, below, lobes, phi, .. } = rows;
+            let windows: [(usize, usize); 4] = std::array::from_fn(|i| (i / 2, start + i % 2));
+            lobes.read(&windows.map(|(row, start)| (&texels[row].channels[..], start)), stride);
+            phi.move_to(lobes, &windows.map(|(row, start)| texels[row].normals(stride, start)));
+            let squares = windows.map(|(row, start)| window(&self.squares, rows_of[row] * stride + start));
+            let scale = Lanes(std::array::from_fn(|i| inverse(squares.iter().map(|s| 0.25 * s[i]).sum())));
+            let count = LANES.min(counted - start);
+            energy += (0..count).map(|i| f64::from(scale.0[i] * phi.phi.0[i])).sum::<f64>();
+            let mut at = start;
+            for part in phi.system.parts() {
+                write(part, &scale, below, at, stride);
+                at += part.len() * stride;
+            }
+        }
+        if self.level.addressing == Addressing::Wrap {
+            rows.below.chunks_mut(stride).for_each(|column| column[counted] = column[0]);
+        }
+        energy
+    }
+
+    /// Adds a texel row's own equations and those of the corners around, as much as each is its, in
+    /// `rows.phi.system`; returns the texels' own part of E.
+    fn gather(&self, (x, y): (usize, usize), rows: &mut Rows) -> f64 {
+        let ((width, height), stride, addressing) = (self.level.size, self.stride(), self.level.addressing);
+        let Rows { texels, above, below, lobes, phi, .. } = rows;
+        lobes.read(&[(&texels[0].channels[..], x + 1)], stride);
+        phi.move_to(lobes, &[texels[0].normals(stride, x + 1)]);
+        let squares = window(&self.squares, y * stride + x + 1);
+        let scale = Lanes(squares.map(|square| CENTRE * inverse(square)));
+        let across = self.across.each_ref().map(|shares| window(shares, x));
+        let down = [0, 1].map(|side| share(y, side, height, addressing));
+        let shares: Shares = down.map(|down| across.map(|across| Lanes(across.map(|across| down * across))));
+        let mut at = x;
+        for part in phi.system.parts_mut() {
+            add_shares(part, &scale, &shares, &[&above[..], &below[..]], at, stride);
+            at += part.len() * stride;
+        }
+        (0..LANES.min(width - x)).map(|i| f64::from(scale.0[i] * phi.phi.0[i])).sum()
+    }
+
+    /// Solves the equations and takes the steps of the texels from `x` on; a texel stays where they have no answer.
+    fn step(&self, from: &[StoredLobe], damping: f64, rows: &mut Rows, to: &mut [StoredLobe]) {
+        let Rows { phi, together, .. } = rows;
+        let system = &mut phi.system;
+        damp(system, damping as f32, together);
+        let solved = system.factor();
+        let mut steps = system.right;
+        system.substitute(&mut steps);
+        system.substitute(together);
+        let slots = self.level.slots;
+        for (lane, (from, to)) in from.chunks_exact(slots).zip(to.chunks_exact_mut(slots)).enumerate() {
+            to.copy_from_slice(from);
+            let of = |parts: &[Part; MAX_LOBES], i: usize| f64::from(parts[i / EACH][i % EACH].0[lane]);
+            let weight = |parts: &[Part; MAX_LOBES]| (0..slots).map(|j| of(parts, EACH * j)).sum::<f64>();
+            let excess = weight(&steps) / weight(&*together);
+            let mut step = [0.0; MOST];
+            for (i, step) in step.iter_mut().enumerate().take(EACH * slots) {
+                *step = of(&steps, i) - excess * of(&*together, i);
+            }
+            if solved[lane] && step.iter().all(|value| value.is_finite()) {
+                moved(from, &step, to);
+            }
+        }
+    }
+}
+
+impl Joint for JointRows<'_> {
+    type Room = Rows;
+
+    fn room(&self) -> Rows {
+        let equations = || vec![0.0; self.entries() * self.stride()];
+        Rows {
+            texels: [self.row(), self.row()],
+            above: equations(),
+            below: equations(),
+            lobes: ChannelLobes::empty(self.level.slots),
+            phi: ChannelPhi::default(),
+            together: [[ZERO; EACH]; MAX_LOBES],
+        }
+    }
+
+    fn rows(&self) -> usize {
+        ROWS
+    }
+
+    fn strip(
+        &self,
+        from: &[StoredLobe],
+        top: usize,
+        damping: Option<f64>,
+        to: &mut [StoredLobe],
+        rows: &mut Rows,
+    ) -> Result<f64, Cancelled> {
+        let ((width, height), slots, addressing) = (self.level.size, self.level.slots, self.level.addressing);
+        let pair = line(top, height, addressing);
+        pair.into_iter().zip(&mut rows.texels).for_each(|(y, row)| self.read(from, y, row));
+        let mut energy = self.corners(pair, rows);
+        let length = width * slots;
+        let bottom = top + to.len() / length;
+        for (y, to) in (top..).zip(to.chunks_mut(length)) {
+            self.level.monitor.check()?;
+            std::mem::swap(&mut rows.above, &mut rows.below);
+            rows.texels.swap(0, 1);
+            let pair = line(y + 1, height, addressing);
+            self.read(from, pair[1], &mut rows.texels[1]);
+            let corners = self.corners(pair, rows);
+            // The line below the strip is the next one's, but for the map's last where that has one of its own.
+            if y + 1 < bottom || y + 1 == height && addressing == Addressing::Clamp {
+                energy += corners;
+            }
+            let crowds = from[y * length..].chunks(LANES * slots).zip(to.chunks_mut(LANES * slots));
+            for (index, (from, to)) in crowds.enumerate() {
+                energy += self.gather((LANES * index, y), rows);
+                if let Some(damping) = damping {
+                    self.step(from, damping, rows, to);
+                }
+            }
+        }
+        Ok(energy)
+    }
+}
+
+/// True where the footprints of a level of this size have few normals.
+pub fn is_small(map: &NormalMap, size: (usize, usize)) -> bool {
+    crowd::most_normals(map, size) <= MOST_NORMALS
+}
+
+impl TexelRow {
+    /// The normals of the texels, or of their neighbours, from value `start` of each column on.
+    fn normals(&self, stride: usize, start: usize) -> NormalWindow<'_> {
+        NormalWindow { columns: std::array::from_fn(|axis| &self.normals[axis][..]), stride, start }
+    }
+}
+
+/// The inverse of a square, 0 of nothing.
+fn inverse(square: f32) -> f32 {
+    if square > f32::MIN_POSITIVE { 1.0 / square } else { 0.0 }
+}
+
+/// The shares of texels in the corners around, by line and side.
+type Shares = [[Lanes; 2]; 2];
+
+/// Writes equations, in proportion, from `start` on and `stride` apart.
+#[multiversion(targets(
+    "x86_64+avx+avx2+bmi1+bmi2+fma+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx+avx2+bmi1+bmi2+fma",
+    "x86_64+sse4.1"
+))]
+fn write(part: &[Lanes], scale: &Lanes, corners: &mut [f32], start: usize, stride: usize) {
+    for (entry, value) in part.iter().enumerate() {
+        let out = &mut corners[start + entry * stride..][..LANES];
+        for i in 0..LANES {
+            out[i] = scale.0[i] * value.0[i];
+        }
+    }
+}
+
+/// Equations in proportion, and their shares of those of the corners, from `start` on and `stride` apart.
+#[multiversion(targets(
+    "x86_64+avx+avx2+bmi1+bmi2+fma+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx+avx2+bmi1+bmi2+fma",
+    "x86_64+sse4.1"
+))]
+fn add_shares(part: &mut [Lanes], scale: &Lanes, shares: &Shares, corners: &[&[f32]; 2], start: usize, stride: usize) {
+    let [above, below] = corners;
+    for (entry, value) in part.iter_mut().enumerate() {
+        let at = start + entry * stride;
+        let (a, b, c, d) = (window(above, at), window(above, at + 1), window(below, at), window(below, at + 1));
+        for i in 0..LANES {
+            let corners_above = shares[0][0].0[i] * a[i] + shares[0][1].0[i] * b[i];
+            let corners_below = shares[1][0].0[i] * c[i] + shares[1][1].0[i] * d[i];
+            value.0[i] = scale.0[i] * value.0[i] + corners_above + corners_below;
+        }
+    }
+}
+
+/// Raises the diagonals and sets the right sides: minus the gradient, and one for every weight. An unknown that is idle
+/// is held.
+#[multiversion(targets(
+    "x86_64+avx+avx2+bmi1+bmi2+fma+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx+avx2+bmi1+bmi2+fma",
+    "x86_64+sse4.1"
+))]
+fn damp(system: &mut CrowdSystem, damping: f32, together: &mut [Part; MAX_LOBES]) {
+    const LEAST: f32 = IDLE as f32;
+    let CrowdSystem { count, tiles, right } = system;
+    let mut largest = Lanes::splat(f32::MIN_POSITIVE);
+    for j in 0..*count {
+        let tile = &tiles[pair_index(j, j)];
+        for i in 0..LANES {
+            for p in 0..EACH {
+                let diagonal = tile[p][p].0[i];
+                largest.0[i] = if diagonal > largest.0[i] { diagonal } else { largest.0[i] };
+            }
+        }
+    }
+    for j in 0..*count {
+        let tile = &mut tiles[pair_index(j, j)];
+        let (mut steps, mut weights) = (right[j], [ZERO; EACH]);
+        for i in 0..LANES {
+            let least = LEAST * largest.0[i];
+            for p in 0..EACH {
+                let diagonal = tile[p][p].0[i];
+                let idle = diagonal <= least;
+                tile[p][p].0[i] = diagonal + damping * diagonal + least;
+                steps[p].0[i] = if idle { 0.0 } else { -steps[p].0[i] };
+                weights[p].0[i] = if idle || p > 0 { 0.0 } else { 1.0 };
+            }
+        }
+        (right[j], together[j]) = (steps, weights);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::vmf::channel_phi::plain::product;
+    use crate::filter::vmf::monitor::Monitor;
+    use crate::normal_map::procedural;
+
+    const SLOTS: usize = 3;
+
+    /// Lobes and normals of a texel, or of where several meet: `(alpha, alpha r)` and `(w, w n)`.
+    #[derive(Clone, Default)]
+    struct Place {
+        lobes: Vec<[f64; 4]>,
+        normals: Vec<[f64; 4]>,
+    }
+
+    impl Place {
+        fn of(map: &NormalMap, size: (usize, usize), (x, y): (usize, usize), stored: &[StoredLobe]) -> Self {
+            let mut own = Self::default();
+            crowd::each_normal(map, &Footprint::new((map.width, map.height), size, (x, y)), |_, n, weight| {
+                own.normals.push([1.0, n[0], n[1], n[2]].map(|value| f64::from(weight * value)));
+            });
+            let total: f64 = own.normals.iter().map(|normal| normal[0]).sum();
+            own.normals.iter_mut().flatten().for_each(|value| *value /= total);
+            own.lobes = stored[(y * size.0 + x) * SLOTS..][..SLOTS].iter().map(|lobe| lobe.map(f64::from)).collect();
+            own
+        }
+
+        fn mean(places: &[Self]) -> Self {
+            let share = 1.0 / places.len() as f64;
+            let lobe = |j: usize| [0, 1, 2, 3].map(|p| places.iter().map(|place| share * place.lobes[j][p]).sum());
+            let normals = places.iter().flat_map(|place| &place.normals).map(|n| n.map(|value| share * value));
+            Self { lobes: (0..SLOTS).map(lobe).collect(), normals: normals.collect() }
+        }
+
+        fn square(&self) -> f64 {
+            sum(&self.normals, &self.normals)
+        }
+
+        /// The squared distance between the lobes' and the normals' look, short of the latter's square.
+        fn distance(&self) -> f64 {
+            sum(&self.lobes, &self.lobes) - 2.0 * sum(&self.lobes, &self.normals)
+        }
+    }
+
+    fn sum(a: &[[f64; 4]], b: &[[f64; 4]]) -> f64 {
+        let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (*a, *b)));
+        pairs.filter(|(a, b)| a[0] > 0.0 && b[0] > 0.0).map(|(a, b)| product(a, b)).sum()
+    }
+
+    /// E texel by texel and corner by corner.
+    fn plain(map: &NormalMap, size: (usize, usize), addressing: Addressing, stored: &[StoredLobe]) -> f64 {
+        let texel = |x, y| Place::of(map, size, (x, y), stored);
+        let all = |size: (usize, usize)| (0..size.1).flat_map(move |y| (0..size.0).map(move |x| (x, y)));
+        let centres = all(size).map(|(x, y)| texel(x, y)).map(|place| place.distance() / place.square());
+        let corner = |(i, j)| {
+            let (columns, rows) = (line(i, size.0, addressing), line(j, size.1, addressing));
+            let around: Vec<Place> = rows.into_iter().flat_map(|y| columns.map(|x| texel(x, y))).collect();
+            let square = around.iter().map(Place::square).sum::<f64>() / 4.0;
+            Place::mean(&around).distance() / square
+        };
+        let corners = all((lines(size.0, addressing), lines(size.1, addressing))).map(corner);
+        f64::from(CENTRE) * centres.sum::<f64>() + corners.sum::<f64>()
+    }
+
+    #[test]
+    fn e_is_the_plain_sum_over_texels_and_corners() {
+        let mut map = procedural::find("bricks").expect("bundled").make(22);
+        (map.x[60], map.y[60], map.z[60], map.invalid) = (0.0, 0.0, 0.0, 1);
+        let size = map.level_size(2);
+        let lobe = |i: usize| {
+            let t = i as f32;
+            let alpha = [0.5, 0.3, 0.2][i % SLOTS];
+            [alpha, 0.3 * alpha * t.sin(), 0.3 * alpha * (1.7 * t).cos(), 0.8 * alpha]
+        };
+        let mut stored: Vec<StoredLobe> = (0..size.0 * size.1 * SLOTS).map(lobe).collect();
+        stored[4] = [0.0; 4];
+        let monitor = Monitor::new(vec![0; 5]);
+        for addressing in [Addressing::Wrap, Addressing::Clamp] {
+            let level = Level { level: 2, size, slots: SLOTS, addressing, monitor: &monitor };
+            let joint = JointRows::new(&map, level).expect("small footprints");
+            let found = joint.strip(&stored, 0, None, &mut stored.clone(), &mut joint.room()).expect("nobody cancels");
+            let exact = plain(&map, size, addressing, &stored);
+            assert!((found / exact - 1.0).abs() < 1e-4, "{addressing:?}: {found} {exact}");
+        }
+    }
+}
