@@ -20,9 +20,10 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use options::MapArguments;
 
-use crate::app::window;
+use crate::app::{autosave, window};
+use crate::jobs::panic_report;
 use crate::normal_map::MapOptions;
-use crate::session::Session;
+use crate::session::{MapRequest, Message, Session, recent};
 
 /// Shows what happens to a normal map when it is filtered.
 #[derive(Debug, Parser)]
@@ -31,8 +32,11 @@ pub struct Cli {
     /// What to do; the window opens without it.
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// The map that the window opens; without it, the bundled sample.
+    /// The map or session that the window opens; without it, what the last run showed, or the bundled sample.
     pub map: Option<PathBuf>,
+    /// Start with the bundled sample and the defaults, whatever the last run showed.
+    #[arg(long, conflicts_with = "map")]
+    pub new: bool,
     /// How the map is read.
     #[command(flatten)]
     pub map_arguments: MapArguments,
@@ -64,18 +68,26 @@ pub enum Command {
     Adapters,
 }
 
-/// Opens the window on the map that was named, or on the bundled sample.
+/// Opens the window on the map or session that was named, else on what the last run kept, else on the bundled sample.
 ///
 /// # Errors
 /// One sentence that says why there is no window, and what to do instead.
 pub fn open_window(cli: &Cli) -> anyhow::Result<()> {
-    let request = cli.map.as_deref().map(|path| cli.map_arguments.request(path, MapOptions::default()));
+    if let Some(folder) = recent::user_folder() {
+        panic_report::install(folder.join("reports"));
+    }
+    let named = cli.map.as_deref().map(|path| Ok(cli.map_arguments.request(path, MapOptions::default())));
+    let kept = || autosave::last_run().map(|file| file.map(|file| MapRequest::Session(Box::new(file))));
+    let request = named.or_else(|| if cli.new { None } else { kept() });
     let make = move |wake| {
         let mut session = Session::new(wake);
         session.remember_recent();
+        session.watch_files();
         session.refit();
-        if let Some(request) = request {
-            session.open(request);
+        match request {
+            Some(Ok(request)) => session.open(request),
+            Some(Err(error)) => session.report(Message::error(format!("The last session is lost: {error}."))),
+            None => {}
         }
         session
     };

@@ -4,6 +4,13 @@
 //! Time stands at fixed steps, nothing moves by itself, and figures that differ from run to run are left out, so the
 //! picture of a session is the same every time.
 
+pub mod control;
+pub mod player;
+pub mod script;
+
+use std::time::Duration;
+
+use egui::accesskit::TreeUpdate;
 use egui::{Event, RawInput, Rect, ViewportId, vec2};
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 
@@ -64,6 +71,12 @@ pub struct Canvas<'a> {
     size: [u32; 2],
     px_per_point: f32,
     passes: usize,
+    /// Seconds since the start.
+    clock: f64,
+    /// Seconds that a pass takes.
+    time_step: f64,
+    /// What the last pass shows to assistive technology, once that is asked for.
+    tree: Option<TreeUpdate>,
 }
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -83,19 +96,38 @@ impl<'a> Headless<'a> {
     /// Runs passes until nothing moves any more (or, without waiting, until the layout has settled), then reads the
     /// picture.
     pub fn screenshot(&mut self) -> Result<Screenshot, ReadbackError> {
-        loop {
-            self.pass(Vec::new())?;
-            let settled = !self.wait || self.inspector.is_settled() && !self.canvas.ctx.has_requested_repaint();
-            if self.canvas.passes >= LEAST_PASSES && settled {
-                break;
+        self.still(|window| {
+            loop {
+                window.pass(Vec::new())?;
+                let settled = !window.wait || window.is_settled();
+                if window.canvas.passes >= LEAST_PASSES && settled {
+                    return window.canvas.picture();
+                }
+                window.let_jobs_run();
             }
-            let session = &mut self.inspector.session;
-            if session.fitting().is_running() || session.is_opening() || session.is_building() {
-                // The jobs need the cores more than idle passes do.
-                session.wait(std::time::Duration::from_millis(20));
-            }
+        })
+    }
+
+    /// True when nothing is under way and nothing asks for another pass.
+    fn is_settled(&self) -> bool {
+        self.inspector.is_settled() && !self.canvas.ctx.has_requested_repaint()
+    }
+
+    /// Leaves the cores to the jobs for a while, which need them more than idle passes do.
+    fn let_jobs_run(&mut self) {
+        let session = &mut self.inspector.session;
+        if session.fitting().is_running() || session.is_opening() || session.is_building() {
+            session.wait(Duration::from_millis(20));
         }
-        self.canvas.picture()
+    }
+
+    /// Runs passes during which time stands still: how many there are depends on the machine, and what they show must
+    /// not.
+    fn still<T>(&mut self, passes: impl FnOnce(&mut Self) -> T) -> T {
+        let step = std::mem::replace(&mut self.canvas.time_step, 0.0);
+        let result = passes(self);
+        self.canvas.time_step = step;
+        result
     }
 
     /// One pass of the window with these events, drawn.
@@ -113,14 +145,27 @@ impl<'a> Canvas<'a> {
     pub fn new(gpu: &'a Gpu, size: [u32; 2]) -> Self {
         let renderer = Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE);
         let target = readback::target(&gpu.device, "window", size, FORMAT);
-        Self { ctx: egui::Context::default(), renderer, target, gpu, size, px_per_point: 1.0, passes: 0 }
+        Self {
+            ctx: egui::Context::default(),
+            renderer,
+            target,
+            gpu,
+            size,
+            px_per_point: 1.0,
+            passes: 0,
+            clock: 0.0,
+            time_step: TIME_STEP,
+            tree: None,
+        }
     }
 
     /// Lays out what `show` shows, with these events, and draws it.
     pub fn pass(&mut self, events: Vec<Event>, show: impl FnMut(&mut egui::Ui)) -> Result<(), ReadbackError> {
         let input = self.input(events);
         self.passes += 1;
-        let output = self.ctx.clone().run_ui(input, show);
+        self.clock += self.time_step;
+        let mut output = self.ctx.clone().run_ui(input, show);
+        self.tree = output.platform_output.accesskit_update.take();
         self.draw(output)
     }
 
@@ -135,7 +180,7 @@ impl<'a> Canvas<'a> {
         let mut input = RawInput {
             screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, vec2(width, height))),
             max_texture_side: Some(self.gpu.device.limits().max_texture_dimension_2d as usize),
-            time: Some(self.passes as f64 * TIME_STEP),
+            time: Some(self.clock),
             predicted_dt: TIME_STEP as f32,
             events,
             focused: true,

@@ -5,6 +5,8 @@
 
 pub mod following;
 
+pub mod panic_report;
+
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -83,12 +85,17 @@ impl<E: Send + 'static> Job<E> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ended;
 
+/// What the panic said, and where its report is, if there is one.
 fn panic_message(panic: &(dyn Any + Send)) -> String {
-    panic
+    let text = panic
         .downcast_ref::<&str>()
         .map(|text| (*text).to_owned())
         .or_else(|| panic.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "no message".to_owned())
+        .unwrap_or_else(|| "no message".to_owned());
+    match panic_report::take_last() {
+        Some(path) => format!("{text} (a report is in '{}')", path.display()),
+        None => text,
+    }
 }
 
 /// The priority of fit threads, 0..=99: about a third of the normal one, which Linux takes as niceness 7. Where the

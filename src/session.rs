@@ -13,6 +13,7 @@ pub mod recent;
 pub mod rivals;
 pub mod saving;
 mod unknown_keys;
+mod watch;
 
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -81,6 +82,9 @@ pub struct Session {
     rivals: rivals::Rivals,
     recent: recent::RecentFiles,
     saving: saving::Saving,
+    /// Looks at the map's file, where changes are to be offered.
+    watch: Option<watch::Watch>,
+    watches: bool,
     /// The session file that is open.
     path: Option<PathBuf>,
     /// Its keys that this version does not know.
@@ -123,6 +127,8 @@ impl Session {
             rivals: rivals::Rivals::default(),
             recent: recent::RecentFiles::default(),
             saving: saving::Saving::default(),
+            watch: None,
+            watches: false,
             path: None,
             unknown: serde_json::Map::new(),
             view: None,
@@ -306,6 +312,23 @@ impl Session {
         self.recent = recent::RecentFiles::load();
     }
 
+    /// Offers to read a map anew when its file has changed, from the next map on.
+    pub fn watch_files(&mut self) {
+        self.watches = true;
+    }
+
+    /// Offers to read the map anew where its file has changed.
+    fn poll_watch(&mut self) {
+        if !self.watch.as_ref().is_some_and(watch::Watch::has_changed) {
+            return;
+        }
+        let MapSource::File(path) = &self.map.source else { return };
+        let request = MapRequest::File { path: path.clone(), options: self.map.options.clone() };
+        let text = format!("'{}' has changed on disk.", path.display());
+        let offer = Some(Box::new(Offer { label: "Reload", request }));
+        self.report(Message { offer, ..Message::remark(text) });
+    }
+
     /// Sentences that the user has not seen yet.
     pub fn take_messages(&mut self) -> Vec<Message> {
         std::mem::take(&mut self.messages)
@@ -367,6 +390,7 @@ impl Session {
         let mut messages = Vec::new();
         let mut changed = news.is_some() || refused.is_some();
         changed |= self.poll_saving();
+        self.poll_watch();
         self.messages.extend(refused);
         if let Some(prepared) = news {
             self.adopt(prepared);
@@ -390,6 +414,10 @@ impl Session {
         }
         (self.map, self.mip, self.diagnosis) = (map, mip.into(), diagnosis.into());
         self.map_revision += 1;
+        self.watch = match &self.map.source {
+            MapSource::File(path) if self.watches => watch::Watch::start(path, &self.wake),
+            _ => None,
+        };
         let settings = session.as_ref().map(|file| file.fit);
         if let Some(file) = session {
             self.adopt_file(*file);

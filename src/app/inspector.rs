@@ -6,15 +6,17 @@ use std::sync::Arc;
 use egui::{CentralPanel, Frame, Margin, Panel};
 
 use super::actions::{self, Facts};
+use super::autosave::Autosave;
 use super::brdf_report::BrdfReport;
 use super::command::{Command, Desk};
 use super::document;
 use super::figures_report::FiguresReport;
 use super::history::History;
 use super::map_picture::MapTextures;
+use super::message_log::MessageLog;
 use super::panels::{
-    PanelContext, controls, figures_panel, key_list, map_panel, palette, save_session, sphere_panel, status_bar,
-    surface_panel, toasts, top_bar,
+    PanelContext, controls, figures_panel, key_list, log_panel, map_panel, palette, save_session, sphere_panel,
+    status_bar, surface_panel, toasts, top_bar,
 };
 use super::texel_report::TexelReport;
 use super::theme;
@@ -48,8 +50,9 @@ pub struct Inspector {
     trace: TraceReport,
     figures: FiguresReport,
     history: History,
+    autosave: Autosave,
     textures: MapTextures,
-    messages: Vec<Message>,
+    messages: MessageLog,
     hover: Option<String>,
     wake: Wake,
 }
@@ -69,12 +72,13 @@ impl Inspector {
             view: ViewState::default(),
             figures: FiguresReport::new(surroundings.gpu.clone(), wake_of(ctx)),
             history: History::default(),
+            autosave: Autosave::default(),
             surroundings,
             report: TexelReport::default(),
             brdf: BrdfReport::default(),
             trace: TraceReport::default(),
             textures: MapTextures::default(),
-            messages: Vec::new(),
+            messages: MessageLog::default(),
             hover: None,
             wake: wake_of(ctx),
         }
@@ -84,9 +88,11 @@ impl Inspector {
     pub fn logic(&mut self, ctx: &egui::Context) {
         self.open_dropped(ctx);
         self.session.poll();
-        self.figures.poll(&mut self.messages);
+        let mut news = Vec::new();
+        self.figures.poll(&mut news);
         self.take_opened_view();
-        self.messages.extend(self.session.take_messages());
+        news.extend(self.session.take_messages());
+        self.messages.add(news);
         self.record(ctx);
         self.report.update(&self.session, &self.wake);
         self.brdf.update(&self.session, &self.wake);
@@ -123,13 +129,14 @@ impl Inspector {
             trace: &self.trace,
             figures: &self.figures,
             history: &self.history,
+            said: self.messages.said(),
             textures: &mut self.textures,
             surroundings: &self.surroundings,
             hover: &mut hover,
         };
         lay_out(ui, &mut context, self.hover.as_deref());
         lay_over(ui.ctx(), &mut context);
-        commands.extend(toasts::show(ui.ctx(), &mut self.messages).map(Command::Open));
+        commands.extend(toasts::show(ui.ctx(), &mut self.messages.shown).map(Command::Open));
         if hover != self.hover || !commands.is_empty() {
             ui.ctx().request_repaint();
         }
@@ -137,6 +144,11 @@ impl Inspector {
         for command in commands {
             self.run(command, ui.ctx());
         }
+    }
+
+    /// Sentences that are shown and not dismissed yet.
+    pub fn messages(&self) -> &[Message] {
+        &self.messages.shown
     }
 
     /// What actions look at.
@@ -159,12 +171,24 @@ impl Inspector {
 
     /// Takes note of the document, unless something is held or still moves: a drag is one step, and so is a dolly.
     fn record(&mut self, ctx: &egui::Context) {
-        let moves = ctx.input(|input| {
+        let held = ctx.input(|input| {
             input.pointer.any_down() || !input.keys_down.is_empty() || input.smooth_scroll_delta() != egui::Vec2::ZERO
         });
-        if !moves && !self.view.is_playing() && !self.session.is_opening() {
-            self.history.record(document::contents(&self.session, &self.view));
+        if !held && !self.view.is_playing() && !self.session.is_opening() {
+            let now = document::contents(&self.session, &self.view);
+            self.autosave.update(&now, ctx, &self.wake);
+            self.history.record(now);
         }
+    }
+
+    /// Keeps the document for the next start from now on.
+    pub fn keep_document(&mut self) {
+        self.autosave = Autosave::of_user();
+    }
+
+    /// Keeps the document as it is: the window closes.
+    pub fn finish(&mut self) {
+        self.autosave.finish(&document::contents(&self.session, &self.view));
     }
 
     fn open_dropped(&mut self, ctx: &egui::Context) {
@@ -199,6 +223,7 @@ fn lay_over(ctx: &egui::Context, context: &mut PanelContext<'_>) {
         Overlay::None => {}
         Overlay::Palette => palette::show(ctx, context),
         Overlay::Keys => key_list::show(ctx, context),
+        Overlay::Log => log_panel::show(ctx, context),
         Overlay::SaveSession => save_session::show(ctx, context),
     }
 }

@@ -10,7 +10,9 @@
 //! | `view_state` | what of the view is worth saving: panels, zoom, orbit, toggles |
 //! | `document` | session and view as a session file has them |
 //! | `history` | undo and redo |
+//! | `autosave` | the document kept for the next start |
 //! | `light_view` | which light is selected, and its sweep |
+//! | `message_log` | sentences for the user, shown once and kept |
 //! | `texel_report` | what the selected texel holds, gathered once per change |
 //! | `brdf_report` | its effective BRDF, worked out in the background |
 //! | `trace_report` | how the selected texel's fit went, on demand |
@@ -24,6 +26,7 @@
 //! | `panels/` | one file per panel: reads state, pushes commands |
 
 pub mod actions;
+pub mod autosave;
 pub mod brdf_report;
 pub mod command;
 pub mod document;
@@ -35,6 +38,7 @@ pub mod history;
 pub mod inspector;
 pub mod light_view;
 pub mod map_picture;
+pub mod message_log;
 pub mod panels;
 pub mod parameter;
 pub mod texel_report;

@@ -116,6 +116,19 @@ pub fn label(ui: &mut Ui, text: &str) -> Response {
     .inner
 }
 
+/// A labelled drop-down over named choices, the default one first; the new choice, if one was made. A double click on
+/// the label brings the default back.
+pub fn choice<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    tooltip: &str,
+    current: T,
+    choices: &[(T, &str)],
+) -> Option<T> {
+    let choices: Vec<_> = choices.iter().map(|&(value, text)| (value, text, "")).collect();
+    explained_choice(ui, name, tooltip, current, &choices)
+}
+
 /// As [`choice`], each choice with a tooltip of its own, which the row shows of the current one.
 pub fn explained_choice<T: Copy + PartialEq>(
     ui: &mut Ui,
@@ -126,26 +139,16 @@ pub fn explained_choice<T: Copy + PartialEq>(
 ) -> Option<T> {
     let mut chosen = current;
     let explanation = choices.iter().find(|(value, ..)| *value == current).map_or("", |(.., text)| text);
-    let tooltip = format!("{tooltip}\n{explanation}");
+    let (default, default_text, _) = *choices.first()?;
+    let gap = if explanation.is_empty() { "" } else { "\n" };
+    let reset = format!("Default {default_text}. Double click the name to reset.");
+    let tooltip = format!("{tooltip}\n{explanation}{gap}{reset}");
     ui.horizontal(|ui| {
         let label = label(ui, name).on_hover_text(&tooltip);
         explained_combo(ui, name, &mut chosen, choices).labelled_by(label.id).on_hover_text(&tooltip);
-    });
-    (chosen != current).then_some(chosen)
-}
-
-/// A labelled drop-down over named choices; the new choice, if one was made.
-pub fn choice<T: Copy + PartialEq>(
-    ui: &mut Ui,
-    name: &str,
-    tooltip: &str,
-    current: T,
-    choices: &[(T, &str)],
-) -> Option<T> {
-    let mut chosen = current;
-    ui.horizontal(|ui| {
-        let label = label(ui, name).on_hover_text(tooltip);
-        combo(ui, name, &mut chosen, choices).labelled_by(label.id).on_hover_text(tooltip);
+        if label.double_clicked() {
+            chosen = default;
+        }
     });
     (chosen != current).then_some(chosen)
 }

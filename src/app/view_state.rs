@@ -106,6 +106,8 @@ pub enum Overlay {
     Palette,
     /// Keys and gestures.
     Keys,
+    /// What was said so far.
+    Log,
     /// The question where the session is saved to.
     SaveSession,
 }

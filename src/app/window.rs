@@ -91,6 +91,10 @@ impl eframe::App for Window {
             log.end();
         }
     }
+
+    fn on_exit(&mut self) {
+        self.inspector.finish();
+    }
 }
 
 /// Opens the window on the session that `make` builds, and returns when it is closed. Every frame leaves a line in
@@ -133,7 +137,9 @@ fn inspector(creation: &CreationContext<'_>, make: impl FnOnce(Wake) -> Session)
     let target = PaintTarget { format: state.target_format, budget, ..Default::default() };
     let surroundings = Surroundings { gpu, target, live: true };
     let ctx = &creation.egui_ctx;
-    Ok(Inspector::new(ctx, make(wake_of(ctx)), surroundings))
+    let mut inspector = Inspector::new(ctx, make(wake_of(ctx)), surroundings);
+    inspector.keep_document();
+    Ok(inspector)
 }
 
 /// Our own ranking of adapters and our own limits.

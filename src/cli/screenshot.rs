@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::options::read_text;
 use super::render::{PictureSize, SceneArguments};
 use crate::gpu::Gpu;
+use crate::headless::script::Script;
 use crate::headless::{Headless, ScreenshotSettings};
 use crate::image_io::write_png_rgba8;
 use crate::normal_map::pyramid::Texel;
@@ -17,8 +19,12 @@ pub struct ScreenshotCommand {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// The PNG to write, - for standard output.
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "script")]
+    pub output: Option<PathBuf>,
+    /// Steps to play first, one a line, - for standard input: click NAME, set NAME VALUE, drag NAME DX DY, key KEYS,
+    /// do ACTION, open FILE, wait, picture FILE and more.
+    #[arg(long, value_name = "FILE")]
+    pub script: Option<PathBuf>,
     /// Pixels across and down.
     #[arg(long, value_name = "WxH", default_value = "1280x800")]
     pub size: PictureSize,
@@ -40,6 +46,7 @@ impl ScreenshotCommand {
     /// One sentence that names the file and the cause.
     pub fn run(self) -> anyhow::Result<()> {
         anyhow::ensure!((0.5..=4.0).contains(&self.scale), "The scale is {}, not from 0.5 to 4.", self.scale);
+        let script = self.script.as_ref().map(read_script).transpose()?;
         let gpu = Gpu::headless()?;
         let mut session = self.scene.session()?;
         if let Some(texel) = self.texel {
@@ -52,7 +59,17 @@ impl ScreenshotCommand {
             session.begin(*session.fit_settings());
             session
         });
-        let picture = window.screenshot()?;
-        Ok(write_png_rgba8(&self.output, size[0] as usize, size[1] as usize, &picture.rgba)?)
+        if let Some(script) = script {
+            window.play(&script)?;
+        }
+        if let Some(output) = &self.output {
+            let picture = window.screenshot()?;
+            write_png_rgba8(output, size[0] as usize, size[1] as usize, &picture.rgba)?;
+        }
+        Ok(())
     }
+}
+
+fn read_script(path: &PathBuf) -> anyhow::Result<Script> {
+    Ok(Script::parse(&path.display().to_string(), &read_text(path)?)?)
 }

@@ -136,7 +136,8 @@ impl SessionFile {
     /// A sentence that names the file and the cause.
     pub fn write(&self, path: &Path) -> Result<(), SessionFileError> {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let folder = absolute(path.parent().unwrap_or(Path::new("")));
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = absolute(folder);
         let mut file = self.clone();
         file.for_each_path(|path| {
             let whole = absolute(path);

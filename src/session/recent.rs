@@ -1,10 +1,15 @@
-//! Maps opened lately, remembered across runs in the user's configuration folder.
+//! Maps and sessions opened lately, remembered across runs in the user's configuration folder.
 
 use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 
 use crate::image_io::{WriteImageError, write_bytes_atomically};
+
+/// The user's folder for what the program keeps; `None` on a system that has none.
+pub fn user_folder() -> Option<PathBuf> {
+    ProjectDirs::from("", "", "ndf-inspector").map(|dirs| dirs.config_dir().to_owned())
+}
 
 /// How many are remembered.
 const CAPACITY: usize = 10;
@@ -19,7 +24,7 @@ pub struct RecentFiles {
 impl RecentFiles {
     /// Reads the user's list; an unreadable one counts as empty.
     pub fn load() -> Self {
-        let store = ProjectDirs::from("", "", "ndf-inspector").map(|dirs| dirs.config_dir().join("recent.json"));
+        let store = user_folder().map(|folder| folder.join("recent.json"));
         let paths = store
             .as_deref()
             .and_then(|path| std::fs::read(path).ok())

@@ -11,6 +11,8 @@ pub fn actions() -> Vec<Action> {
             .key(Modifiers::COMMAND, Key::P),
         Action::of_view(Menu::Help, "keys", "Keys and gestures", |view| view.overlay = Overlay::Keys)
             .key(Modifiers::NONE, Key::Questionmark)
+            .key(Modifiers::SHIFT, Key::Slash)
             .key(Modifiers::NONE, Key::F1),
+        Action::of_view(Menu::Help, "messages", "Messages so far", |view| view.overlay = Overlay::Log),
     ]
 }

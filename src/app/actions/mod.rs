@@ -114,7 +114,7 @@ impl Action {
 
     /// Its first key in words; empty without one.
     pub fn key_text(&self, ctx: &Context) -> String {
-        self.keys.first().map_or_else(String::new, |key| ctx.format_shortcut(key))
+        self.keys.first().map_or_else(String::new, |key| key_words(ctx, key))
     }
 
     /// True if its words or its name hold every word of `text`, whatever their case.
@@ -155,6 +155,17 @@ pub fn pressed(ctx: &Context, facts: &Facts<'_>) -> Vec<Command> {
     all().iter().filter(is_pressed).filter_map(|action| action.command(facts)).collect()
 }
 
+/// Keys as they stand on a keyboard: `Ctrl+Z`, `?`.
+pub fn key_words(ctx: &Context, keys: &KeyboardShortcut) -> String {
+    let (words, key) = (ctx.format_shortcut(keys), keys.logical_key);
+    if makes_sign(key) { words.replace(key.name(), key.symbol_or_name()) } else { words }
+}
+
+/// True for keys that Shift may be needed for.
+fn makes_sign(key: Key) -> bool {
+    matches!(key, Key::Plus | Key::Minus | Key::Equals | Key::Questionmark)
+}
+
 /// True for keys that a text field wants for itself.
 fn belongs_to_text(key: &KeyboardShortcut) -> bool {
     let undoes = key.modifiers.command && matches!(key.logical_key, Key::Z | Key::Y);
@@ -168,12 +179,11 @@ fn is_function_key(key: Key) -> bool {
 /// Takes the presses of a key out of the pass; true if there was one. Shift must be as it is asked for where it
 /// does not itself make the sign.
 fn consume(ctx: &Context, wanted: &KeyboardShortcut, repeats: bool) -> bool {
-    let makes_sign = matches!(wanted.logical_key, Key::Plus | Key::Minus | Key::Equals | Key::Questionmark);
     let mut found = false;
     ctx.input_mut(|input| {
         input.events.retain(|event| {
             let egui::Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { return true };
-            let fits = if makes_sign {
+            let fits = if makes_sign(wanted.logical_key) {
                 modifiers.matches_logically(wanted.modifiers)
             } else {
                 modifiers.matches_exact(wanted.modifiers)

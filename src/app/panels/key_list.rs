@@ -1,6 +1,6 @@
 //! Every action with its keys, and what the pointer does.
 
-use egui::{Context, Grid, Id, Modal, RichText, ScrollArea, Ui};
+use egui::{Context, Grid, Id, Label, Modal, RichText, ScrollArea, Ui};
 
 use super::{PanelContext, heading};
 use crate::app::actions::{self, Action, Menu};
@@ -20,8 +20,9 @@ const GESTURES: [(&str, &str); 7] = [
 
 /// Shows the list until it is dismissed.
 pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
-    let room = ctx.content_rect().size() - egui::vec2(80.0, 120.0);
+    let room = ctx.content_rect().size() - egui::vec2(60.0, 110.0);
     let modal = Modal::new(Id::unique("keys")).show(ctx, |ui| {
+        ui.set_width(room.x);
         ui.horizontal(|ui| {
             ui.label(RichText::new("Keys and gestures").heading().color(theme::STRONG));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -30,7 +31,7 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
             .inner
         })
         .inner
-            | ScrollArea::both().max_width(room.x).max_height(room.y).show(ui, columns).inner
+            | ScrollArea::both().auto_shrink(false).max_height(room.y).show(ui, columns).inner
     });
     if modal.inner || modal.should_close() {
         context.view.overlay = Overlay::None;
@@ -39,7 +40,7 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
 
 fn columns(ui: &mut Ui) -> bool {
     ui.horizontal_top(|ui| {
-        ui.spacing_mut().item_spacing.x = 28.0;
+        ui.spacing_mut().item_spacing.x = 24.0;
         ui.vertical(|ui| {
             gestures(ui);
             section(ui, Menu::File, None);
@@ -72,15 +73,16 @@ fn section(ui: &mut Ui, menu: Menu, submenu: Option<&'static str>) {
     heading(ui, name);
     let inside = |action: &&Action| action.menu == menu && action.submenu == submenu;
     let ctx = ui.ctx().clone();
-    let keys = |action: &Action| action.keys.iter().map(|key| ctx.format_shortcut(key)).collect::<Vec<_>>().join(", ");
+    let keys =
+        |action: &Action| action.keys.iter().map(|key| actions::key_words(&ctx, key)).collect::<Vec<_>>().join(", ");
     grid(ui, name, actions::all().iter().filter(inside).map(|action| (action.label.clone(), keys(action))));
 }
 
 fn grid(ui: &mut Ui, name: &str, rows: impl Iterator<Item = (String, String)>) {
     Grid::new(("keys", name)).num_columns(2).spacing([16.0, 2.0]).show(ui, |ui| {
         for (effect, keys) in rows {
-            ui.label(RichText::new(effect).color(theme::TEXT));
-            ui.label(RichText::new(keys).color(theme::ACCENT));
+            ui.add(Label::new(RichText::new(effect).color(theme::TEXT)).extend());
+            ui.add(Label::new(RichText::new(keys).color(theme::ACCENT)).extend());
             ui.end_row();
         }
     });

@@ -5,6 +5,7 @@ pub mod figures_panel;
 pub mod key_list;
 pub mod light_dome;
 pub mod lobe_table;
+pub mod log_panel;
 pub mod map_panel;
 pub mod palette;
 pub mod save_session;
@@ -27,7 +28,7 @@ use super::map_picture::MapTextures;
 use super::texel_report::TexelReport;
 use super::trace_report::TraceReport;
 use super::{Command, ViewState, theme};
-use crate::session::Session;
+use crate::session::{Message, Session};
 
 /// What panels see and may touch.
 pub struct PanelContext<'a> {
@@ -47,6 +48,8 @@ pub struct PanelContext<'a> {
     pub figures: &'a FiguresReport,
     /// What can be undone.
     pub history: &'a History,
+    /// What the user was told so far.
+    pub said: &'a [Message],
     /// Levels as textures.
     pub textures: &'a mut MapTextures,
     /// Where all this is shown.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use egui::{PointerButton, ViewportId, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use ndf_inspector::app::view_state::Layout;
+use ndf_inspector::app::view_state::{Layout, Overlay};
 use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::comparison::View;
 use ndf_inspector::filter::Method;
@@ -48,16 +48,37 @@ pub(super) fn names(window: &Window) -> BTreeMap<String, usize> {
 #[test]
 fn every_control_has_a_name_of_its_own() {
     let mut window = window(fitted("pyramid5", 64));
-    let views = View::ALL.map(|(view, _)| (Layout::Surface, view));
-    for (layout, view) in views.into_iter().chain([(Layout::Split, View::Wipe), (Layout::Map, View::Wipe)]) {
-        window.state_mut().inspector.view.layout = layout;
-        window.state_mut().inspector.session.comparison.view = view;
-        window.run();
-        let names = names(&window);
-        assert!(names.len() > 30, "only {} controls: {names:?}", names.len());
-        let wrong: Vec<_> = names.iter().filter(|(name, count)| name.trim().is_empty() || **count > 1).collect();
-        assert!(wrong.is_empty(), "unnamed or doubled in {layout:?}, {view}: {wrong:?}");
+    let views = View::ALL.map(|(view, _)| (Layout::Surface, view, Overlay::None));
+    let layouts = Layout::ALL.map(|(layout, _)| (layout, View::Wipe, Overlay::None));
+    let overlays = [Overlay::Palette, Overlay::Keys, Overlay::SaveSession, Overlay::Log];
+    let overlays = overlays.map(|overlay| (Layout::Surface, View::Wipe, overlay));
+    for (layout, shown, overlay) in views.into_iter().chain(layouts).chain(overlays) {
+        window.state_mut().inspector.session.comparison.view = shown;
+        let view = &mut window.state_mut().inspector.view;
+        (view.layout, view.overlay, view.show_trace) = (layout, overlay, true);
+        window.run_steps(4);
+        assert_named(&window, &format!("{layout:?}, {shown}, {overlay:?}"));
     }
+}
+
+#[test]
+fn every_entry_of_the_menus_has_a_name_of_its_own() {
+    let mut window = window(fitted("pyramid5", 64));
+    for menu in ["File", "Edit", "View", "Help"] {
+        window.get_by_label(menu).click();
+        window.run_steps(4);
+        assert_named(&window, menu);
+        window.key_press(egui::Key::Escape);
+        window.run_steps(2);
+    }
+}
+
+#[track_caller]
+fn assert_named(window: &Window, state: &str) {
+    let names = names(window);
+    assert!(names.len() > 30, "only {} controls: {names:?}", names.len());
+    let wrong: Vec<_> = names.iter().filter(|(name, count)| name.trim().is_empty() || **count > 1).collect();
+    assert!(wrong.is_empty(), "unnamed or doubled in {state}: {wrong:?}");
 }
 
 #[test]
@@ -301,6 +322,17 @@ fn a_double_click_on_a_slider_resets_it() {
     let specular = window.state().inspector.session.surface.material.specular;
     let default = ndf_inspector::brdf::Material::DEFAULT.specular;
     assert!((specular - default).abs() < 1e-6, "{specular}");
+}
+
+#[test]
+fn a_double_click_on_the_name_of_a_choice_brings_its_default_back() {
+    let mut window = window(fitted("pyramid5", 64));
+    let rule = |window: &Window| window.state().inspector.session.surface.material.convolution;
+    window.state_mut().inspector.session.surface.material.convolution = ConvolutionRule::Paper;
+    window.run();
+    let combo = window.get_by_label("Convolution").rect();
+    double_click(&mut window, egui::pos2(combo.left() - 60.0, combo.center().y));
+    assert_eq!(rule(&window), ConvolutionRule::default());
 }
 
 #[test]

@@ -4,6 +4,8 @@ mod actions;
 mod behaviour;
 mod doctor;
 mod pictures;
+mod real;
+mod scripts;
 mod seeing;
 mod texels;
 

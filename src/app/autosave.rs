@@ -1,0 +1,117 @@
+//! The document kept on disk while it changes, so that the next start, after a crash too, goes on where this one was.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::jobs::{Job, JobEvent, Wake};
+use crate::session::file::{SessionFile, SessionFileError};
+use crate::session::recent::user_folder;
+
+/// From a change to its being written, so that a row of changes is written once.
+const PAUSE: Duration = Duration::from_secs(2);
+
+/// What is kept, where, and how far it is.
+#[derive(Default)]
+pub struct Autosave {
+    store: Option<PathBuf>,
+    written: Option<SessionFile>,
+    changed_at: Option<Instant>,
+    job: Option<Job<Result<(), SessionFileError>>>,
+}
+
+/// The file that keeps the document of the last run; `None` on a system without a folder for the user's settings.
+fn user_store() -> Option<PathBuf> {
+    user_folder().map(|folder| folder.join(format!("last{}", SessionFile::ENDING)))
+}
+
+/// What the last run kept, if there was one. It belongs to no file of the user's.
+///
+/// # Errors
+/// A sentence that names the file and the cause.
+pub fn last_run() -> Option<Result<SessionFile, SessionFileError>> {
+    let store = user_store().filter(|store| store.exists())?;
+    Some(SessionFile::read(&store).map(|file| SessionFile { path: None, ..file }))
+}
+
+impl Autosave {
+    /// Keeps the document in the user's folder.
+    pub fn of_user() -> Self {
+        Self { store: user_store(), ..Self::default() }
+    }
+
+    /// Writes the document in the background, a little after it has changed; asks for a pass of the window then, and
+    /// for none otherwise.
+    pub fn update(&mut self, now: &SessionFile, ctx: &egui::Context, wake: &Wake) {
+        let Some(store) = self.store.clone() else { return };
+        self.poll();
+        if self.written.as_ref() == Some(now) {
+            self.changed_at = None;
+            return;
+        }
+        let age = self.changed_at.get_or_insert_with(Instant::now).elapsed();
+        if age < PAUSE || self.job.is_some() {
+            ctx.request_repaint_after(PAUSE.saturating_sub(age).max(Duration::from_millis(100)));
+            return;
+        }
+        let file = now.clone();
+        self.written = Some(now.clone());
+        self.changed_at = None;
+        match Job::spawn("autosave", Arc::clone(wake), move |outbox| outbox.send(file.write(&store))) {
+            Ok(job) => self.job = Some(job),
+            Err(error) => log::warn!("the session is not kept: {error}"),
+        }
+    }
+
+    fn poll(&mut self) {
+        let Some(event) = self.job.as_ref().and_then(Job::next) else { return };
+        self.job = None;
+        match event {
+            JobEvent::News(Ok(())) => {}
+            JobEvent::News(Err(error)) => log::warn!("{error}"),
+            JobEvent::Panicked(text) => log::warn!("the session is not kept: {text}"),
+        }
+    }
+
+    /// Writes the document now, where it has changed: the window closes.
+    pub fn finish(&mut self, now: &SessionFile) {
+        let Some(store) = &self.store else { return };
+        if self.written.as_ref() != Some(now)
+            && let Err(error) = now.write(store)
+        {
+            log::warn!("{error}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_is_written_after_a_pause_and_only_once() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = folder.path().join("last.ndfi.json");
+        let mut autosave = Autosave { store: Some(store.clone()), ..Autosave::default() };
+        let (ctx, wake) = (egui::Context::default(), Arc::new(|| {}) as Wake);
+        let file = SessionFile { truth_samples: Some(77), ..SessionFile::default() };
+        autosave.update(&file, &ctx, &wake);
+        assert!(autosave.job.is_none() && autosave.changed_at.is_some(), "written at once");
+        autosave.changed_at = Instant::now().checked_sub(PAUSE);
+        autosave.update(&file, &ctx, &wake);
+        let job = autosave.job.take().expect("it is being written");
+        assert!(matches!(job.wait(Duration::from_secs(10)), Ok(Some(JobEvent::News(Ok(()))))));
+        assert_eq!(SessionFile::read(&store).expect("read").truth_samples, Some(77));
+        autosave.update(&file, &ctx, &wake);
+        assert!(autosave.job.is_none() && autosave.changed_at.is_none(), "nothing has changed");
+    }
+
+    #[test]
+    fn what_changed_last_is_written_when_the_window_closes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = folder.path().join("last.ndfi.json");
+        let mut autosave = Autosave { store: Some(store.clone()), ..Autosave::default() };
+        autosave.finish(&SessionFile { truth_samples: Some(78), ..SessionFile::default() });
+        assert_eq!(SessionFile::read(&store).expect("read").truth_samples, Some(78));
+    }
+}

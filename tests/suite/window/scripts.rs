@@ -1,0 +1,85 @@
+//! Scripts: the window driven by names from a file, without a display.
+
+use std::path::Path;
+
+use crate::cli::{assert_refused, folder, run, sample};
+
+/// The script that the README shows.
+fn example() -> String {
+    let readme = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md")).expect("there");
+    let (_, rest) = readme.split_once("```text\n# tour.txt").expect("the README shows a script");
+    rest.split_once("```").expect("it ends").0.to_owned()
+}
+
+#[test]
+fn the_example_of_the_readme_draws_the_same_bytes_twice() {
+    let pictures = || {
+        let folder = folder();
+        sample(&folder, "plate");
+        std::fs::write(folder.path().join("tour.txt"), example()).expect("written");
+        let options = ["screenshot", "plate.png", "--script", "tour.txt", "--samples", "16", "--size", "1000x640"];
+        let output = run(&folder, &options);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let read = |name: &str| std::fs::read(folder.path().join(name)).expect("a picture");
+        [read("three-lobes.png"), read("before.png")]
+    };
+    let (first, second) = (pictures(), pictures());
+    assert!(first == second, "two runs of one script differ");
+    assert!(first[0] != first[1], "the undone drag shows nothing");
+}
+
+#[test]
+fn a_step_that_cannot_be_done_names_its_line_and_the_cause() {
+    let folder = folder();
+    sample(&folder, "plate");
+    let refused = |script: &str, cause: &str| {
+        std::fs::write(folder.path().join("bad.txt"), script).expect("written");
+        let options = ["screenshot", "plate.png", "--script", "bad.txt", "--samples", "16", "--size", "900x600"];
+        assert_refused(&run(&folder, &options), cause);
+    };
+    refused("wait\ndance", "'bad.txt', line 2: 'dance' is no step");
+    refused("\nset \"Lobes\" 3", "'bad.txt', line 2: there is no control named 'Lobes'; the nearest is 'Lobes J'.");
+    refused("set \"Lobes J\" 40", "line 1: 'Lobes J' goes from 1 to 16, and 40 is beyond.");
+    refused("do cancel-fit", "line 1: 'cancel-fit' cannot be done now.");
+    refused("open nowhere.png", "line 1: 'nowhere.png'");
+    refused("expect \"Lobes J\" 3", "line 1: 'Lobes J' is 6, not 3.");
+}
+
+#[test]
+fn every_kind_of_step_does_what_it_says() {
+    let folder = folder();
+    sample(&folder, "plate");
+    let script = "
+        set 'Objective' likelihood
+        expect 'Objective' likelihood
+        set 'Trace of the fit' on
+        set 'Specular Ks' 1.5
+        expect 'Specular Ks' 1.5
+        double-click 'Specular Ks'
+        expect 'Specular Ks' 0.1
+        key F4
+        scroll 'Map view' 40
+        drag 'Map view' 20 10
+        do open-bundled-waves
+        expect waves
+        key Ctrl+P
+        type 'reset view'
+        key Enter
+        set 'Path of an image' plate.png
+        click 'Path of an image'
+        key Enter
+        wait
+        expect plate.png
+        hover 'Level 2'
+        set 'Truth samples' 16
+        save kept.ndfi.json
+        wait
+    ";
+    std::fs::write(folder.path().join("steps.txt"), script).expect("written");
+    let options = ["screenshot", "--script", "steps.txt", "--samples", "16", "-o", "end.png"];
+    let output = run(&folder, &options);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let kept = std::fs::read_to_string(folder.path().join("kept.ndfi.json")).expect("saved");
+    assert!(kept.contains(r#""path": "plate.png""#) && kept.contains(r#""objective": "likelihood""#), "{kept}");
+    assert!(Path::new(&folder.path().join("end.png")).exists());
+}
