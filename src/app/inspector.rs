@@ -12,6 +12,7 @@ use super::command::{Command, Desk};
 use super::document;
 use super::figures_report::FiguresReport;
 use super::history::History;
+use super::live_figures::{self, LiveFigures};
 use super::map_picture::MapTextures;
 use super::message_log::MessageLog;
 use super::panels::{
@@ -49,6 +50,7 @@ pub struct Inspector {
     brdf: BrdfReport,
     trace: TraceReport,
     figures: FiguresReport,
+    live_figures: LiveFigures,
     history: History,
     autosave: Autosave,
     textures: MapTextures,
@@ -77,6 +79,7 @@ impl Inspector {
             report: TexelReport::default(),
             brdf: BrdfReport::default(),
             trace: TraceReport::default(),
+            live_figures: LiveFigures::default(),
             textures: MapTextures::default(),
             messages: MessageLog::default(),
             hover: None,
@@ -97,6 +100,7 @@ impl Inspector {
         self.report.update(&self.session, &self.wake);
         self.brdf.update(&self.session, &self.wake);
         self.trace.update(&self.session, self.view.show_trace, &self.wake);
+        self.live_figures.update(self.live_task(), &self.wake);
         self.view.light.sweep(&mut self.session.surface.lights, ctx);
         self.view.dolly.run(&mut self.session.surface.camera, ctx);
         if self.surroundings.live && self.session.fitting().is_running() {
@@ -113,7 +117,17 @@ impl Inspector {
         let computing = computing || session.is_saving() || self.figures.is_running() || self.figures.is_saving();
         let gathering = self.report.is_gathering() || self.brdf.is_running() || self.trace.is_running();
         let busy = computing || gathering || session.is_opening() || self.view.is_playing();
-        !busy && !self.surroundings.target.status.get().wants_more
+        let drawing = self.surroundings.target.status.get().wants_more;
+        !busy && !drawing && self.live_figures.is_done(self.live_task().as_ref())
+    }
+
+    /// The figures of the methods on show.
+    pub fn live_figures(&self) -> &LiveFigures {
+        &self.live_figures
+    }
+
+    fn live_task(&self) -> Option<live_figures::Task> {
+        live_figures::Task::new(&self.surroundings.target.status.get(), self.view.region.chosen)
     }
 
     /// The panels. Runs what they asked for at the end; the next frame shows it.
@@ -128,6 +142,7 @@ impl Inspector {
             brdf: &self.brdf,
             trace: &self.trace,
             figures: &self.figures,
+            live_figures: &self.live_figures,
             history: &self.history,
             said: self.messages.said(),
             textures: &mut self.textures,

@@ -18,6 +18,7 @@
 //! | `trace_report` | how the selected texel's fit went, on demand |
 //! | `figures_report` | the sweeps of the open map, measured and saved in the background |
 //! | `figures_plot`, `figures_file` | a sweep as a plot; as CSV, JSON or PNG |
+//! | `live_figures` | figures of the methods on show, worked out in the background |
 //! | `dolly` | the camera that runs away and back |
 //! | `map_picture` | levels as pictures |
 //! | `viewport` | the bridge to the GPU: paint callbacks of surface and sphere |
@@ -37,6 +38,7 @@ pub mod figures_report;
 pub mod history;
 pub mod inspector;
 pub mod light_view;
+pub mod live_figures;
 pub mod map_picture;
 pub mod message_log;
 pub mod panels;

@@ -7,6 +7,7 @@ use super::light_view::LightView;
 use crate::filter::{Method, Rival};
 use crate::gpu::passes::sphere::SphereLayers;
 use crate::measure::{Axis, Metric};
+use crate::reference::Region;
 use crate::scene::SphereOrbit;
 
 /// What the middle of the window shows.
@@ -121,6 +122,15 @@ pub struct PaletteView {
     pub chosen: usize,
 }
 
+/// The region of the picture whose figures are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RegionView {
+    /// The region, of every method's picture; the whole picture where there is none.
+    pub chosen: Option<Region>,
+    /// The cell in which it is being drawn, and the corner where that began.
+    pub drawn_from: Option<(egui::Rect, [f32; 2])>,
+}
+
 /// The whole view.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -139,6 +149,11 @@ pub struct ViewState {
     pub sphere_layers: SphereLayers,
     /// Which repeat of the map carries the selected texel's outline on the surface, counted across and down.
     pub pinned_repeat: [u32; 2],
+    /// Whether the methods' figures are hidden; the truth is then drawn only where it is seen.
+    pub hides_figures: bool,
+    /// The region whose figures are shown.
+    #[serde(skip)]
+    pub region: RegionView,
     /// Whether the camera runs away and back.
     #[serde(skip)]
     pub dolly: Dolly,

@@ -1,8 +1,8 @@
 //! The bridge to the GPU: paint callbacks that record the surface and the sphere into the window's own frame.
 //!
 //! The passes live in the renderer's callback resources, made on first use. What a frame learns (samples drawn,
-//! whether another frame would look better) goes back through [`SurfaceStatus`], which the next pass of the window
-//! reads.
+//! whether another frame would look better, the pictures that figures are worked out from) goes back through
+//! [`SurfaceStatus`], which the next pass of the window reads.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -13,7 +13,9 @@ use crate::filter::Method;
 use crate::filter::PlainMip;
 use crate::filter::vmf::{Fold, LobePyramid};
 use crate::gpu::frame::{FrameBudget, FrameInput, SurfaceFrame};
+use crate::gpu::pass_timer::PassTimer;
 use crate::gpu::passes::sphere::{SphereInput, SphereLayers, SpherePass};
+use crate::gpu::snapshots::Snapshots;
 use crate::lit_surface::LitSurface;
 use crate::scene::SphereOrbit;
 use crate::session::Session;
@@ -21,12 +23,33 @@ use crate::sphere::Lobe;
 
 use super::texel_report::TexelData;
 
+/// What the pictures of a frame are of. Figures of another subject are stale.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Subject {
+    /// The surface.
+    pub surface: LitSurface,
+    /// Which map and which lobes are open.
+    revisions: [u64; 2],
+    fold: Fold,
+    /// Pixels of a method's picture.
+    size: [u32; 2],
+}
+
+impl Subject {
+    /// What the session shows in pictures of `size`.
+    pub fn new(session: &Session, size: [u32; 2]) -> Self {
+        let fitting = session.fitting();
+        let revisions = [session.map_revision(), fitting.revision()];
+        Self { surface: session.surface.clone(), revisions, fold: fitting.fold(), size }
+    }
+}
+
 /// What the surface's last frame came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceReport {
     /// Samples per pixel that the truth has.
     pub truth_samples: u32,
-    /// True while another frame would look better.
+    /// True while another frame would look better, or bring what is on its way back.
     pub wants_more: bool,
     /// Finest levels left out because the adapter cannot hold them.
     pub left_out: usize,
@@ -34,9 +57,20 @@ pub struct SurfaceReport {
     pub lobes_left_out: usize,
     /// Finest and coarsest level of lobes in use.
     pub lobe_levels: Option<[f32; 2]>,
+    /// What the pictures are of.
+    pub subject: Option<Subject>,
+    /// The pictures that figures are worked out from.
+    pub snapshots: Snapshots,
+    /// Milliseconds of the methods' passes, where they are timed.
+    pub milliseconds: Vec<(Method, f64)>,
 }
 
 impl SurfaceReport {
+    /// Milliseconds of the method's last pass, where it was timed.
+    pub fn milliseconds(&self, method: Method) -> Option<f64> {
+        self.milliseconds.iter().find(|(timed, _)| *timed == method).map(|(_, milliseconds)| *milliseconds)
+    }
+
     /// What is left out, in words.
     pub fn left_out_sentence(&self) -> Option<String> {
         match (self.left_out, self.lobes_left_out) {
@@ -55,7 +89,7 @@ pub struct SurfaceStatus(Arc<Mutex<SurfaceReport>>);
 impl SurfaceStatus {
     /// The last report.
     pub fn get(&self) -> SurfaceReport {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Writes a report; true if it differs from the last.
@@ -77,8 +111,10 @@ pub struct SurfacePaint {
     arrangement: Arrangement,
     size: [u32; 2],
     budget: FrameBudget,
-    format: wgpu::TextureFormat,
-    status: SurfaceStatus,
+    /// True where the methods are held against the truth.
+    pub against_truth: bool,
+    subject: Subject,
+    target: PaintTarget,
     context: egui::Context,
 }
 
@@ -100,8 +136,9 @@ impl SurfacePaint {
             arrangement,
             size,
             budget: FrameBudget { truth_limit: session.truth_samples, ..target.budget },
-            format: target.format,
-            status: target.status.clone(),
+            against_truth: false,
+            subject: Subject::new(session, arrangement.cell_size(size)),
+            target: target.clone(),
             context: context.clone(),
         }
     }
@@ -122,6 +159,28 @@ impl SurfacePaint {
             size: self.size,
         }
     }
+
+    fn new_frame(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> SurfaceFrame {
+        let mut frame = SurfaceFrame::new(device, self.target.format);
+        frame.timer = self.target.times_passes.then(|| PassTimer::new(device, queue)).flatten();
+        frame
+    }
+
+    fn report(&self, frame: &SurfaceFrame) -> SurfaceReport {
+        let times = frame.timer.iter().flat_map(|timer| {
+            self.methods.iter().filter_map(move |shown| Some((shown.method, timer.milliseconds(shown.method)?)))
+        });
+        SurfaceReport {
+            truth_samples: frame.truth_samples(),
+            wants_more: frame.wants_more() || frame.is_waiting(),
+            left_out: frame.left_out(),
+            lobes_left_out: frame.lobes_left_out(),
+            lobe_levels: frame.lod_range(Method::Vmf),
+            subject: Some(self.subject.clone()),
+            snapshots: frame.snapshots().clone(),
+            milliseconds: times.collect(),
+        }
+    }
 }
 
 /// Where and how callbacks paint.
@@ -133,6 +192,8 @@ pub struct PaintTarget {
     pub budget: FrameBudget,
     /// What the surface's last frame came to.
     pub status: SurfaceStatus,
+    /// True where the methods' passes are timed, which differs from run to run.
+    pub times_passes: bool,
 }
 
 impl Default for PaintTarget {
@@ -141,6 +202,7 @@ impl Default for PaintTarget {
             format: wgpu::TextureFormat::Rgba8Unorm,
             budget: FrameBudget::default(),
             status: SurfaceStatus::default(),
+            times_passes: false,
         }
     }
 }
@@ -159,17 +221,12 @@ impl CallbackTrait for SurfacePaint {
         encoder: &mut wgpu::CommandEncoder,
         resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
-        let frame = resource(resources, || SurfaceFrame::new(device, self.format));
-        frame.budget = self.budget;
+        let frame = resource(resources, || self.new_frame(device, queue));
+        (frame.budget, frame.against_truth) = (self.budget, self.against_truth);
         frame.prepare(device, queue, encoder, &self.input());
-        let report = SurfaceReport {
-            truth_samples: frame.truth_samples(),
-            wants_more: frame.wants_more(),
-            left_out: frame.left_out(),
-            lobes_left_out: frame.lobes_left_out(),
-            lobe_levels: frame.lod_range(Method::Vmf),
-        };
-        if self.status.set(report) || report.wants_more {
+        let report = self.report(frame);
+        let wants_more = report.wants_more;
+        if self.target.status.set(report) || wants_more {
             self.context.request_repaint();
         }
         Vec::new()

@@ -134,7 +134,7 @@ fn inspector(creation: &CreationContext<'_>, make: impl FnOnce(Wake) -> Session)
     // A processor that draws has little to spare: small steps keep the pointer's moves fluent.
     let truth_batch = if gpu.choice.software { 4 } else { 16 };
     let budget = FrameBudget { truth_batch, ..Default::default() };
-    let target = PaintTarget { format: state.target_format, budget, ..Default::default() };
+    let target = PaintTarget { format: state.target_format, budget, times_passes: true, ..Default::default() };
     let surroundings = Surroundings { gpu, target, live: true };
     let ctx = &creation.egui_ctx;
     let mut inspector = Inspector::new(ctx, make(wake_of(ctx)), surroundings);

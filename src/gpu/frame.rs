@@ -2,14 +2,17 @@
 //!
 //! The window and the command line record the same frame. A picture is drawn again only when something it depends on
 //! has changed; the truth goes on adding samples until it has enough. In a grid each method's picture is as large as
-//! its cell, all under the same camera.
+//! its cell, all under the same camera. Where methods are held against the truth, it is drawn though nobody sees it,
+//! and pictures are read back.
 
 use std::sync::Arc;
 
 use super::method_picture::{Key, MethodPicture};
+use super::pass_timer::PassTimer;
 use super::passes::compare::{CompareData, ComparePass, ComparedPictures};
 use super::passes::surface::{FrameData, Reads, SurfacePass};
 use super::readback::{self, ReadbackError};
+use super::snapshots::{self, Snapshots};
 use super::surface_pipelines::Variant;
 use super::textures::MapTextures;
 use crate::brdf::{ConvolutionRule, DiffuseRule};
@@ -73,6 +76,11 @@ impl Default for FrameBudget {
 pub struct SurfaceFrame {
     /// How much a frame may do.
     pub budget: FrameBudget,
+    /// True where the methods are held against the truth: it is drawn though nobody sees it, and pictures are read
+    /// back.
+    pub against_truth: bool,
+    /// Times the methods' passes, where that is wanted.
+    pub timer: Option<PassTimer>,
     textures: MapTextures,
     surface: SurfacePass,
     compare: ComparePass,
@@ -80,8 +88,9 @@ pub struct SurfaceFrame {
     /// Of each picture, in pixels.
     size: [u32; 2],
     truth_samples: u32,
-    truth_shown: bool,
+    truth_drawn: bool,
     exposure: f32,
+    snapshots: Snapshots,
 }
 
 impl SurfaceFrame {
@@ -91,14 +100,17 @@ impl SurfaceFrame {
         let surface = SurfacePass::new(device, textures.layout());
         Self {
             budget: FrameBudget::default(),
+            against_truth: false,
+            timer: None,
             surface,
             compare: ComparePass::new(device, target_format),
             textures,
             pictures: Vec::new(),
             size: [1, 1],
             truth_samples: 0,
-            truth_shown: false,
+            truth_drawn: false,
             exposure: 1.0,
+            snapshots: Snapshots::default(),
         }
     }
 
@@ -114,10 +126,13 @@ impl SurfaceFrame {
         self.textures.set_lobes(input.lobes);
         self.textures.pump(queue, self.budget.upload_bytes);
         self.set_pictures(device, queue, input);
-        let seen = input.seen();
+        let mut seen = input.seen();
+        if self.against_truth && !seen.contains(&Method::Truth) {
+            seen.push(Method::Truth);
+        }
         self.exposure = input.surface.exposure();
-        self.truth_shown = seen.contains(&Method::Truth);
-        if let Some(truth) = self.find(Method::Truth).filter(|_| self.truth_shown)
+        self.truth_drawn = seen.contains(&Method::Truth);
+        if let Some(truth) = self.find(Method::Truth).filter(|_| self.truth_drawn)
             && truth.drawn != Some(self.key(truth, input))
         {
             self.truth_samples = 0;
@@ -133,21 +148,39 @@ impl SurfaceFrame {
         for method in due {
             self.draw_method(encoder, queue, method, input);
         }
+        self.read_back(device, encoder);
         let cells = input.arrangement.cell_origins(input.size).enumerate();
         let compared: Vec<_> = cells.filter_map(|(cell, origin)| self.compared(input, cell, origin)).collect();
         self.compare.prepare(device, queue, &compared);
+    }
+
+    /// Sends for what figures are worked out from, and for the times of the passes.
+    fn read_back(&mut self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder) {
+        if !self.against_truth {
+            self.snapshots = Snapshots::default();
+        } else if self.pending_bytes() == 0 {
+            let samples = [self.truth_samples, self.budget.truth_limit];
+            self.snapshots.update(device, encoder, &self.pictures, samples);
+        }
+        if let Some(timer) = &mut self.timer {
+            timer.end_frame(device, encoder);
+        }
     }
 
     /// Keeps the pictures of the methods at hand, their size and channels brought up to date, and forgets the others.
     fn set_pictures(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, input: &FrameInput<'_>) {
         let most = device.limits().max_texture_dimension_2d;
         let size = input.arrangement.cell_size(input.size).map(|pixels| pixels.clamp(1, most));
-        self.pictures.retain(|picture| input.methods.iter().any(|shown| shown.method == picture.method));
+        let mut methods = input.methods.clone();
+        if self.against_truth && methods.iter().all(|shown| shown.method != Method::Truth) {
+            methods.push(Method::Truth.into());
+        }
+        self.pictures.retain(|picture| methods.iter().any(|shown| shown.method == picture.method));
         if self.size != size {
             self.pictures.iter_mut().for_each(|picture| picture.resize(&self.surface, device, size));
             self.size = size;
         }
-        for shown in &input.methods {
+        for shown in &methods {
             let held = self.pictures.iter().position(|picture| picture.method == shown.method);
             let index = held.unwrap_or_else(|| {
                 self.pictures.push(MethodPicture::new(&self.surface, device, shown.method, size));
@@ -176,11 +209,24 @@ impl SurfaceFrame {
         self.truth_samples
     }
 
-    /// True while another frame would look better: uploads are under way, or the truth is shown and unfinished.
+    /// True while another frame would look better: uploads are under way, or the truth is drawn and unfinished.
     pub fn wants_more(&self) -> bool {
+        self.pending_bytes() > 0 || self.truth_drawn && self.truth_samples < self.budget.truth_limit
+    }
+
+    fn pending_bytes(&self) -> u64 {
         let uploads = self.pictures.iter().map(MethodPicture::pending_bytes);
-        let pending = uploads.sum::<u64>() + self.textures.pending_bytes();
-        pending > 0 || self.truth_shown && self.truth_samples < self.budget.truth_limit
+        uploads.sum::<u64>() + self.textures.pending_bytes()
+    }
+
+    /// True while something is on its way back, which arrives with one of the next frames.
+    pub fn is_waiting(&self) -> bool {
+        !self.snapshots.are_ready() || self.timer.as_ref().is_some_and(PassTimer::is_waiting)
+    }
+
+    /// The pictures that figures are worked out from; none but where methods are held against the truth.
+    pub fn snapshots(&self) -> &Snapshots {
+        &self.snapshots
     }
 
     /// Finest levels of the map that are not shown because the adapter cannot hold them.
@@ -278,6 +324,9 @@ impl SurfaceFrame {
     ) {
         let Some(key) = self.find(method).map(|picture| self.key(picture, input)) else { return };
         let samples_due = self.samples_due();
+        // The truth's pass adds samples to a picture: its time is none of a picture's.
+        let timer = self.timer.as_mut().filter(|_| method != Method::Truth && key.lods.is_some());
+        let timestamps = timer.and_then(|timer| timer.writes(method));
         let Some(picture) = self.pictures.iter_mut().find(|picture| picture.method == method) else { return };
         let (surface, map, what) = (&self.surface, &self.textures, (input.surface.shape.kind, method));
         let target = &mut picture.target;
@@ -287,22 +336,24 @@ impl SurfaceFrame {
                 if self.truth_samples == 0 {
                     surface.clear(encoder, target);
                 }
-                surface.draw(encoder, what, map, next, Reads::Mean(target));
+                surface.draw(encoder, what, map, next, Reads::Mean(target), None);
                 std::mem::swap(next, target);
                 self.truth_samples += samples_due;
             }
             (Some(lods), Method::Rival(rival), Some(channels), _) => {
                 channels.prepare(queue, lods, rival.parameter);
-                surface.draw(encoder, what, map, target, Reads::Channels(channels));
+                surface.draw(encoder, what, map, target, Reads::Channels(channels), timestamps);
             }
-            (Some(_), ..) => surface.draw(encoder, what, map, target, Reads::Nothing),
+            (Some(_), ..) => surface.draw(encoder, what, map, target, Reads::Nothing, timestamps),
         }
         picture.drawn = Some(key);
     }
 
-    /// Samples of the truth that the next frame adds.
+    /// Samples of the truth that the next frame adds; where it is read back, no more than up to the next stop.
     fn samples_due(&self) -> u32 {
-        self.budget.truth_batch.min(self.budget.truth_limit.saturating_sub(self.truth_samples))
+        let limit = self.budget.truth_limit;
+        let stop = if self.against_truth { snapshots::next_stop(self.truth_samples, limit) } else { limit };
+        self.budget.truth_batch.min(stop.saturating_sub(self.truth_samples))
     }
 
     /// What a cell shows, once its pictures are there.

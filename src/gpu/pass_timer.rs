@@ -88,6 +88,11 @@ impl PassTimer {
         self.milliseconds.get(&method).copied()
     }
 
+    /// True while timestamps are on their way.
+    pub fn is_waiting(&self) -> bool {
+        self.awaited.is_some()
+    }
+
     /// Takes the timestamps that have come back.
     pub fn receive(&mut self) {
         let Some(copied) = self.awaited.as_ref().and_then(|awaited| awaited.copied.get().copied()) else { return };

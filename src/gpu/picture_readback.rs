@@ -30,6 +30,11 @@ impl PictureReadback {
         Some(Self { staging, copied, picture: OnceLock::new() })
     }
 
+    /// Pixels across and down.
+    pub fn size(&self) -> [u32; 2] {
+        self.staging.size
+    }
+
     /// True once the adapter has answered, which it does while it is polled.
     pub fn is_ready(&self) -> bool {
         self.copied.get().is_some()

@@ -28,6 +28,15 @@ pub fn standard_error(half: &Picture, whole: &Picture) -> Option<f64> {
     normalised_color_error(half, whole)
 }
 
+/// As [`standard_error`], where the part is any number of the first samples: each picture with its samples per pixel.
+///
+/// Of `N` samples of variance `v`, the mean of the first `n` is off the mean of all with variance `v (1/n - 1/N)`, and
+/// the mean of all is off the truth with `v / N`, which is `n / (N - n)` of that. `None` where the part is the whole.
+pub fn standard_error_of((part, n): (&Picture, u32), (whole, all): (&Picture, u32)) -> Option<f64> {
+    let rest = all.checked_sub(n).filter(|rest| *rest > 0)?;
+    Some((f64::from(n) / f64::from(rest)).sqrt() * normalised_color_error(part, whole)?)
+}
+
 /// What changes from one frame to the next: the Euclidean distance of a pixel's two colours over the mean length of the
 /// reference's two, averaged over the pixels that are covered in both and whose reference is not black in both. `None`
 /// where there is none.
@@ -78,6 +87,33 @@ mod tests {
         assert_eq!(temporal_change([&was, &other], [&was, &is]), Some(0.25));
         is.covered = vec![false; 3];
         assert_eq!(temporal_change([&was, &other], [&was, &is]), None);
+    }
+
+    /// Independent samples of 1/2 to 3/2, by a multiplicative generator (Lehmer 1951, the constants of Park and Miller
+    /// 1988).
+    #[test]
+    fn any_part_of_the_samples_tells_the_error_of_them_all() {
+        let (pixels, all, mut state) = (2000, 60, 1_u64);
+        let mut next = || {
+            state = state * 48_271 % 0x7fff_ffff;
+            0.5 + state as f32 / 0x7fff_ffff_u64 as f32
+        };
+        let samples: Vec<Vec<f32>> = (0..pixels).map(|_| (0..all).map(|_| next()).collect()).collect();
+        let mean = |count: usize| {
+            let grey = |samples: &Vec<f32>| Vec3::splat(samples[..count].iter().sum::<f32>() / count as f32);
+            Picture { size: [pixels, 1], rgb: samples.iter().map(grey).collect(), covered: vec![true; pixels as usize] }
+        };
+        let whole = mean(all);
+        let truth = Picture { rgb: vec![Vec3::ONE; pixels as usize], ..whole.clone() };
+        let off = normalised_color_error(&whole, &truth).expect("seen");
+        for n in [15, 30, 45] {
+            let stated = standard_error_of((&mean(n), n as u32), (&whole, all as u32)).expect("a part");
+            // The mean over 2000 pixels scatters by 2 %.
+            assert!((stated / off - 1.0).abs() < 0.08, "{n} of {all}: {stated}, and it is {off}");
+        }
+        assert_eq!(standard_error_of((&whole, 60), (&whole, 60)), None);
+        let half = mean(30);
+        assert_eq!(standard_error_of((&half, 30), (&whole, 60)), standard_error(&half, &whole));
     }
 
     #[test]

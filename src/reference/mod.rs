@@ -13,6 +13,6 @@ pub mod shade;
 pub use exact_coverage::ExactCoverage;
 pub use figures::{Compared, Figures, Region};
 pub use flip::flip;
-pub use metrics::{normalised_color_error, rmse, standard_error, temporal_change};
+pub use metrics::{normalised_color_error, rmse, standard_error, standard_error_of, temporal_change};
 pub use ndf_density::NdfPicture;
 pub use shade::{Picture, render};

@@ -73,6 +73,7 @@ fn zoom() -> Vec<Action> {
         })
         .key(Modifiers::NONE, Key::Minus)
         .repeating(),
+        of_view("live-figures", "Figures on the picture", |view| view.hides_figures = !view.hides_figures).after_rule(),
         of_view("dolly", "Run or stop the dolly", |view| view.dolly.is_playing = !view.dolly.is_playing)
             .key(Modifiers::NONE, Key::P),
     ]

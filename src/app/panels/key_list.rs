@@ -8,11 +8,12 @@ use crate::app::theme;
 use crate::app::view_state::Overlay;
 
 /// What the pointer does, and keys that are held.
-const GESTURES: [(&str, &str); 7] = [
+const GESTURES: [(&str, &str); 8] = [
     ("Drag on the surface", "orbit"),
     ("L + drag, or right drag", "move the light"),
     ("Wheel", "dolly, or zoom the map"),
     ("Hold the space bar", "see the right method over all of the picture"),
+    ("Shift + drag on the surface", "choose the region of the figures; Esc clears it"),
     ("Click on surface, map or level", "select the texel"),
     ("Drag on the sphere", "turn it"),
     ("Double click a control", "reset it"),

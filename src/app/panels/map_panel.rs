@@ -191,3 +191,8 @@ pub fn badge(painter: &Painter, at: egui::Pos2, align: Align2, text: &str, color
     painter.galley(rect.min + vec2(8.0, 4.0), galley, color);
     rect
 }
+
+/// How large the label of a text is.
+pub fn badge_size(painter: &Painter, text: &str) -> Vec2 {
+    painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.0), theme::TEXT).size() + vec2(16.0, 8.0)
+}

@@ -24,6 +24,7 @@ use super::brdf_report::BrdfReport;
 use super::figures_report::FiguresReport;
 use super::history::History;
 use super::inspector::Surroundings;
+use super::live_figures::LiveFigures;
 use super::map_picture::MapTextures;
 use super::texel_report::TexelReport;
 use super::trace_report::TraceReport;
@@ -46,6 +47,8 @@ pub struct PanelContext<'a> {
     pub trace: &'a TraceReport,
     /// What was measured.
     pub figures: &'a FiguresReport,
+    /// Figures of the methods on show.
+    pub live_figures: &'a LiveFigures,
     /// What can be undone.
     pub history: &'a History,
     /// What the user was told so far.

@@ -8,9 +8,12 @@ use super::map_panel::badge;
 use crate::app::theme;
 use crate::lit_surface::LitSurface;
 
+/// From this width on a picture has room for the hint beside the lights.
+pub const HINT_ROOM: f32 = 580.0;
+
 /// What the pointer does, in a line with its bottom left corner at `at`.
 pub fn hint(painter: &Painter, at: Pos2) -> Rect {
-    let text = "drag: orbit · L + drag: light · wheel: dolly · click: select";
+    let text = "drag: orbit · L + drag: light · Shift + drag: region · wheel: dolly · click: select";
     badge(painter, at, Align2::LEFT_BOTTOM, text, theme::WEAK)
 }
 

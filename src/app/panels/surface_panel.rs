@@ -10,7 +10,9 @@ use crate::comparison::{Arrangement, Comparison};
 mod badges;
 mod cells;
 mod difference_scale;
+mod figures;
 mod methods;
+mod region;
 mod seeing;
 mod steering;
 
@@ -18,8 +20,8 @@ pub use cells::Cells;
 
 /// Margin around the bar's rows, and between them.
 const MARGIN: f32 = 6.0;
-/// From this width on the bar has room for all of its controls, and the picture for the hint.
-pub const ROOMY: f32 = 480.0;
+/// From this width on the bar has room for all of its controls.
+const ROOMY: f32 = 480.0;
 
 /// Shows the bar and the picture.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
@@ -38,9 +40,12 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let response = ui.allocate_rect(picture, Sense::click_and_drag()).accessible_name("Surface view");
     let cells = Cells::new(arrangement, picture, ui.pixels_per_point());
     let target = &context.surroundings.target;
-    let paint = SurfacePaint::new(context.session, arrangement, cells.size, target, ui.ctx());
+    let mut paint = SurfacePaint::new(context.session, arrangement, cells.size, target, ui.ctx());
+    paint.against_truth = !context.view.hides_figures;
     ui.painter().add(paint.shape(picture));
-    steering::steer(ui, &response, &mut surface, &context.view.light);
+    if !region::drag(ui, context.view, &response, &cells) {
+        steering::steer(ui, &response, &mut surface, &context.view.light);
+    }
     steering::pick(context, &response, &cells);
     draw_over(ui, context, &cells);
     light_dome::show(ui, context, picture);
@@ -67,14 +72,18 @@ fn space_is_held(ui: &Ui) -> bool {
 }
 
 fn draw_over(ui: &Ui, context: &PanelContext<'_>, cells: &Cells) {
-    for cell in cells.rects() {
-        overlay::outline(&ui.painter_at(cell.intersect(cells.picture)), context, cell);
+    for (index, cell) in cells.rects().enumerate() {
+        let painter = ui.painter_at(cell.intersect(cells.picture));
+        overlay::outline(&painter, context, cell);
+        if let Some(region) = context.view.region.chosen {
+            region::show(&painter, region, cell, index == 0);
+        }
     }
     let painter = ui.painter_at(cells.picture);
-    badges::show(&painter, context, cells);
+    badges::show(ui, context, cells);
     let mut corner = cells.picture.left_bottom() + vec2(12.0, -12.0);
     // In a grid it would lie on what is seen there.
-    if cells.picture.width() >= ROOMY && cells.arrangement.side() == 1 {
+    if cells.picture.width() >= overlay::HINT_ROOM && cells.arrangement.side() == 1 {
         corner = overlay::hint(&painter, corner).left_top() - vec2(0.0, theme::GRID);
     }
     if let Arrangement::Difference(difference) = cells.arrangement {
@@ -104,7 +113,7 @@ fn wipe(ui: &Ui, comparison: &mut Comparison, picture: Rect) {
 fn cell_methods(ui: &mut Ui, comparison: &mut Comparison, cells: &Cells) {
     let Arrangement::Grid { .. } = cells.arrangement else { return };
     for (index, (cell, method)) in cells.rects().zip(&mut comparison.grid).enumerate() {
-        let place = Rect::from_min_size(cell.min + badges::INSET, vec2(methods::COMBO_WIDTH, theme::ROW));
+        let place = Rect::from_min_size(cell.min + badges::CELL_INSET, vec2(methods::COMBO_WIDTH, theme::ROW));
         ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
             methods::combo(ui, &format!("Method of cell {}", index + 1), method);
         });

@@ -257,7 +257,7 @@ impl SurfacePass {
         self.pipelines.make(device, methods, variant);
     }
 
-    /// Draws `kind` by `method` into `target`.
+    /// Draws `kind` by `method` into `target`, and notes when where that is wanted.
     pub fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -265,11 +265,12 @@ impl SurfacePass {
         map: &MapTextures,
         target: &Target,
         reads: Reads<'_>,
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
         let (Some(mesh), Some(pipeline)) = (self.meshes.get(&kind), self.pipelines.get(method, self.variant)) else {
             return;
         };
-        let mut pass = begin(encoder, target);
+        let mut pass = begin(encoder, target, timestamps);
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.frame_group, &[]);
         pass.set_bind_group(1, map.bind_group(), &[]);
@@ -285,7 +286,7 @@ impl SurfacePass {
 
     /// Empties `target`.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
-        drop(begin(encoder, target));
+        drop(begin(encoder, target, None));
     }
 }
 
@@ -308,7 +309,11 @@ impl MeshBuffers {
     }
 }
 
-fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, target: &Target) -> wgpu::RenderPass<'a> {
+fn begin<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    target: &Target,
+    timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+) -> wgpu::RenderPass<'a> {
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("surface"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -322,7 +327,7 @@ fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, target: &Target) -> wgpu::Re
             depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
             stencil_ops: None,
         }),
-        timestamp_writes: None,
+        timestamp_writes: timestamps,
         occlusion_query_set: None,
         multiview_mask: None,
     })

@@ -5,6 +5,8 @@ use ndf_inspector::color::srgb8_from_linear;
 use ndf_inspector::comparison::{Arrangement, Difference, DifferenceKind};
 use ndf_inspector::filter::LevelChoice;
 use ndf_inspector::filter::Method;
+use ndf_inspector::gpu::pass_timer::PassTimer;
+use ndf_inspector::gpu::snapshots::Snapshots;
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame, render_to_rgba8};
 use ndf_inspector::normal_map::Addressing;
 
@@ -227,6 +229,52 @@ fn a_difference_has_the_colour_of_its_scale() {
         }
         assert!(colors.len() > 50, "only {} colours", colors.len());
     }
+}
+
+/// Frames until nothing is drawn any more and nothing is on its way.
+fn finish(frame: &mut SurfaceFrame, input: &FrameInput<'_>) {
+    for _ in 0..100 {
+        step(frame, input);
+        gpu().device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
+        if !frame.wants_more() && !frame.is_waiting() {
+            return;
+        }
+    }
+    panic!("the frame does not end");
+}
+
+#[test]
+fn pictures_come_back_as_they_were_drawn_with_a_truth_that_nobody_sees() {
+    let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 2);
+    let mut frame = frame(150, 16);
+    frame.against_truth = true;
+    finish(&mut frame, &scene.input(Method::MIP));
+    let snapshots = frame.snapshots().clone();
+    let (truth, earlier) = (snapshots.truth.expect("read back"), snapshots.earlier_truth.expect("read back"));
+    assert_eq!((truth.samples, earlier.samples, snapshots.methods.len()), (150, 64, 1));
+    for snapshot in [&truth, &snapshots.methods[0]] {
+        let picture = snapshot.readback.picture().expect("here");
+        let drawn = linear(&frame, snapshot.method);
+        assert!(picture.rgb.iter().zip(&drawn).all(|(back, texel)| back.to_array() == texel[..3]));
+        assert!(picture.covered.iter().zip(&drawn).all(|(covered, texel)| *covered == (texel[3] > 0.5)));
+    }
+    step(&mut frame, &scene.input(Method::MIP));
+    assert_eq!(frame.snapshots().truth, Some(truth), "nothing has changed");
+    scene.surface.lights.as_mut_slice()[0].azimuth_deg += 1.0;
+    step(&mut frame, &scene.input(Method::MIP));
+    assert_eq!(*frame.snapshots(), Snapshots::default(), "all has changed");
+}
+
+#[test]
+fn the_passes_of_methods_are_timed_where_the_adapter_has_a_clock() {
+    let scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 2);
+    let mut frame = frame(16, 16);
+    frame.timer = PassTimer::new(&gpu().device, &gpu().queue);
+    let Some(_) = &frame.timer else { return };
+    finish(&mut frame, &at_a_wipe(&scene, [Method::Truth, Method::Vmf], 0.5));
+    let milliseconds = |method| frame.timer.as_ref().and_then(|timer| timer.milliseconds(method));
+    assert!(milliseconds(Method::Vmf).is_some_and(|time| (1e-4..1e4).contains(&time)));
+    assert_eq!(milliseconds(Method::Truth), None, "samples of a picture are no picture");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod actions;
 mod behaviour;
 mod doctor;
+mod live_figures;
 mod pictures;
 mod real;
 mod scripts;
@@ -94,9 +95,10 @@ fn window(make: impl FnOnce(Wake) -> Session) -> Window {
         })
 }
 
-/// Draws and steps until every upload and every sample of the truth is there.
+/// Draws and steps until every upload, every sample of the truth and every figure is there.
 fn settle(window: &mut Window) {
-    for _ in 0..40 {
+    let start = std::time::Instant::now();
+    while start.elapsed() < Duration::from_secs(60) {
         window.render().expect("a picture");
         window.run();
         if window.state().inspector.is_settled() {

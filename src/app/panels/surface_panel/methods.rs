@@ -10,7 +10,7 @@ use crate::comparison::{Comparison, Difference, DifferenceKind, View};
 use crate::filter::Method;
 
 /// Width of a list of methods.
-pub const COMBO_WIDTH: f32 = 128.0;
+pub const COMBO_WIDTH: f32 = 144.0;
 
 /// Shows the row; true while the button that flips is held.
 pub fn show(ui: &mut Ui, comparison: &mut Comparison) -> bool {

@@ -4,13 +4,16 @@ use egui::{Align, Button, DragValue, Layout, Rect, RichText, Sense, Shape, Slide
 
 use super::ROOMY;
 use crate::app::dolly::{self, Dolly};
-use crate::app::panels::segmented;
+use crate::app::panels::{segmented, toggle};
 use crate::app::{ViewState, parameter, theme};
 use crate::comparison::View;
 use crate::scene::Camera;
 
 /// Width of the distance's number.
 const NUMBER: f32 = 44.0;
+
+const FIGURES: &str = "Each method's error against the truth, its time and its bytes. The truth is drawn for it even \
+                       where it is not in sight.";
 
 /// Shows the row.
 pub fn show(ui: &mut Ui, view: &mut ViewState, chosen: &mut View, camera: &mut Camera) {
@@ -24,7 +27,14 @@ pub fn show(ui: &mut Ui, view: &mut ViewState, chosen: &mut View, camera: &mut C
                 parameter::combo(ui, "Seen as", chosen, &View::ALL);
             });
         }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| distance(ui, &mut view.dolly, camera, roomy));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if roomy {
+                let mut on = !view.hides_figures;
+                toggle(ui, &mut on, "Figures", FIGURES);
+                view.hides_figures = !on;
+            }
+            distance(ui, &mut view.dolly, camera, roomy);
+        });
     });
 }
 
