@@ -70,7 +70,8 @@ fn fragment(corner: Corner) -> @location(0) vec4f {
         return vec4f(select(srgb_from_linear(background), color, min(on_left.a, on_right.a) > 0.5), 1.0);
     }
     let color = select(on_right, on_left, pixel.x < compare.wipe);
-    var linear = select(background, color.rgb, color.a > 0.5);
+    // What is not the surface is the sky, where there is one.
+    var linear = select(background, color.rgb, color.a > 0.0);
     if abs(pixel.x - compare.wipe) < compare.divider {
         linear = vec3f(DIVIDER);
     }

@@ -43,6 +43,8 @@ struct Light {
 override COLORED: bool = false;
 // Whether a rule needs the tables.
 override EXACT_RULES: bool = false;
+// Whether a sky lights the surface.
+override SKY: bool = false;
 
 // Weights below this are an empty slot (sphere/mixture.rs).
 const EMPTY_WEIGHT: f32 = 1e-7;
@@ -118,7 +120,7 @@ fn footprint_of(point: Point, lookup: Lookup) -> PixelFootprint {
     return PixelFootprint(stretch.x * lookup.uv_dx, stretch.y * lookup.uv_dy, perspective);
 }
 
-// What a light gives at a surface point.
+// What a light gives at the pixel's point.
 struct Incident {
     local: LocalLight,
     radiance: vec3f,
@@ -127,6 +129,18 @@ struct Incident {
 // The least squared distance that is told apart (lighting/light.rs).
 const LEAST_SQUARED: f32 = 1e-4;
 
+var<private> incident: array<Incident, 8>;
+
+// Works out what each light, and the sky, gives at the pixel's point.
+fn gather_light(point: Point) {
+    for (var index = 0u; index < frame.light_count; index++) {
+        incident[index] = incident_light(point, index);
+    }
+    if SKY {
+        set_local_sky(world_from_tangent(point), normalize_or_zero(frame.eye_in_world - point.position_in_world));
+    }
+}
+
 fn incident_light(point: Point, index: u32) -> Incident {
     let light = frame.lights[index];
     let to_light = light.position_in_world.xyz - light.position_in_world.w * point.position_in_world;
@@ -134,16 +148,20 @@ fn incident_light(point: Point, index: u32) -> Incident {
     return Incident(local_light(point, normalize_or_zero(to_light)), light.radiance / squared);
 }
 
-fn local_light(point: Point, light_in_world: vec3f) -> LocalLight {
+// The frame of the surface at a point: tangent, bitangent and normal.
+fn world_from_tangent(point: Point) -> mat3x3f {
     let normal = normalize_or_zero(point.normal_in_world);
     let tangent = normalize_or_zero(point.tangent_in_world - normal * dot(normal, point.tangent_in_world));
-    let bitangent = cross(normal, tangent);
+    return mat3x3f(tangent, cross(normal, tangent), normal);
+}
+
+fn local_light(point: Point, light_in_world: vec3f) -> LocalLight {
+    let frame_in_world = world_from_tangent(point);
     let to_eye = normalize_or_zero(frame.eye_in_world - point.position_in_world);
     let sum = to_eye + light_in_world;
-    let half = select(normal, normalize_or_zero(sum), dot(sum, sum) > 1e-30);
-    // Rows are the frame's axes, so multiplying from the right takes world to tangent space.
-    let world_from_tangent = mat3x3f(tangent, bitangent, normal);
-    return LocalLight(light_in_world * world_from_tangent, half * world_from_tangent);
+    let half = select(frame_in_world[2], normalize_or_zero(sum), dot(sum, sum) > 1e-30);
+    // Columns are the frame's axes, so multiplying from the right takes world to tangent space.
+    return LocalLight(light_in_world * frame_in_world, half * frame_in_world);
 }
 
 // A lobe as stored, with its stored colour alpha y; that is read only where `COLORED`.
@@ -176,22 +194,17 @@ fn seen(color: vec3f) -> vec4u {
     return bitcast<vec4u>(vec4f(color, 1.0));
 }
 
-// The sum of what the samples reflect.
-fn truth_of(lookup: Lookup, footprint: PixelFootprint, light: LocalLight) -> vec3f {
-    let size = vec2i(textureDimensions(means));
+// What a normal reflects of every light and, by one sample, of the sky.
+fn reflect_all(normal: vec3f, pixel: vec2u, index: u32) -> vec3f {
     var sum = vec3f(0.0);
-    for (var i = 0u; i < frame.sample_count; i++) {
-        let offset = jitter(lookup.pixel, frame.first_sample + i);
-        let uv = lookup.uv + uv_step(footprint, offset);
-        let texel = vec2i(
-            nearest_texel(uv.x, size.x, frame.wraps != 0u),
-            nearest_texel(uv.y, size.y, frame.wraps != 0u),
-        );
-        // Unit already, but where the map's finest levels are left out and these are means.
-        let normal = normalize_or_zero(textureLoad(means, texel, 0).xyz);
-        let half_cosine = dot(normal, light.half_in_tangent);
-        let light_cosine = dot(normal, light.light_in_tangent);
-        sum += color_at(texel) * reflect(material(), frame.shininess, half_cosine, light_cosine);
+    for (var light = 0u; light < frame.light_count; light++) {
+        let local = incident[light].local;
+        let half_cosine = dot(normal, local.half_in_tangent);
+        let light_cosine = dot(normal, local.light_in_tangent);
+        sum += incident[light].radiance * reflect(material(), frame.shininess, half_cosine, light_cosine);
+    }
+    if SKY {
+        sum += sample_sky(normal, pixel, index, material());
     }
     return sum;
 }
@@ -200,10 +213,19 @@ fn truth_of(lookup: Lookup, footprint: PixelFootprint, light: LocalLight) -> vec
 fn truth(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
     let footprint = footprint_of(point, lookup);
+    gather_light(point);
+    let size = vec2i(textureDimensions(means));
     var sum = vec3f(0.0);
-    for (var index = 0u; index < frame.light_count; index++) {
-        let incident = incident_light(point, index);
-        sum += incident.radiance * truth_of(lookup, footprint, incident.local);
+    for (var i = 0u; i < frame.sample_count; i++) {
+        let index = frame.first_sample + i;
+        let uv = lookup.uv + uv_step(footprint, jitter(lookup.pixel, index));
+        let texel = vec2i(
+            nearest_texel(uv.x, size.x, frame.wraps != 0u),
+            nearest_texel(uv.y, size.y, frame.wraps != 0u),
+        );
+        // Unit already, but where the map's finest levels are left out and these are means.
+        let normal = normalize_or_zero(textureLoad(means, texel, 0).xyz);
+        sum += color_at(texel) * reflect_all(normal, lookup.pixel, index);
     }
     // A running mean keeps its digits; a sum of 65536 samples would lose four of its seven.
     let mean = bitcast<vec3f>(textureLoad(mean_so_far, vec2i(lookup.pixel), 0).rgb);
@@ -281,13 +303,29 @@ fn shade_lobe(lobe: ColoredLobe, light: LocalLight, material: Material) -> vec3f
     let light_cosine = dot(mu, light.light_in_tangent);
     let specular = convolved(material.convolution, kappa, material.shininess, dot(mu, light.half_in_tangent));
     let diffuse = diffuse_cosine(material.diffuse_rule, kappa, light_cosine);
-    var color = vec3f(lobe.stored.x);
-    if COLORED {
-        color = lobe.color;
-    }
-    return color * (
+    return lobe_color(lobe) * (
         material.specular * specular * max(light_cosine, 0.0) * material.specular_color
         + material.diffuse * diffuse * material.diffuse_color);
+}
+
+// What a stored lobe reflects of every light and of the sky.
+fn reflect_lobe(lobe: ColoredLobe) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var light = 0u; light < frame.light_count; light++) {
+        sum += incident[light].radiance * shade_lobe(lobe, incident[light].local, material());
+    }
+    if SKY {
+        sum += lobe_color(lobe) * shade_sky(lobe_of_mean(lobe.stored.yzw / lobe.stored.x));
+    }
+    return sum;
+}
+
+// alpha y.
+fn lobe_color(lobe: ColoredLobe) -> vec3f {
+    if COLORED {
+        return lobe.color;
+    }
+    return vec3f(lobe.stored.x);
 }
 
 // The probes that read the pixel, at levels within `lods`.
@@ -297,7 +335,7 @@ fn probes_of(lookup: Lookup, lods: vec2f) -> Probes {
 }
 
 // What the interpolated lobes around `uv` reflect.
-fn shade_aligned(uv: vec2f, lod: f32, light: LocalLight) -> vec3f {
+fn shade_aligned(uv: vec2f, lod: f32) -> vec3f {
     // The base level is not stored as lobes: below level 1 its normals are blended in by hand.
     let base_share = clamp(1.0 - lod, 0.0, 1.0);
     var base = BaseTaps();
@@ -316,7 +354,7 @@ fn shade_aligned(uv: vec2f, lod: f32, light: LocalLight) -> vec3f {
             lobe = plus(lobe, ColoredLobe(base_share * fine.stored, base_share * fine.color));
         }
         if lobe.stored.x > EMPTY_WEIGHT {
-            sum += shade_lobe(lobe, light, material());
+            sum += reflect_lobe(lobe);
         }
     }
     return sum;
@@ -325,20 +363,20 @@ fn shade_aligned(uv: vec2f, lod: f32, light: LocalLight) -> vec3f {
 @fragment
 fn vmf(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
+    gather_light(point);
+    if SKY {
+        fetch_sky_light();
+    }
     let probes = probes_of(lookup, frame.vmf_lods);
     var sum = vec3f(0.0);
-    for (var index = 0u; index < frame.light_count; index++) {
-        let incident = incident_light(point, index);
-        for (var i = 0u; i < probes.count; i++) {
-            let uv = lookup.uv + probe_offset(probes, i);
-            sum += incident.radiance * shade_aligned(uv, probes.lod, incident.local);
-        }
+    for (var i = 0u; i < probes.count; i++) {
+        sum += shade_aligned(lookup.uv + probe_offset(probes, i), probes.lod);
     }
     return seen(sum / f32(probes.count));
 }
 
 // What the lobes of one texel reflect, slots folded before they are shaded.
-fn shade_texel(texel: vec2i, level: i32, light: LocalLight, material: Material) -> vec3f {
+fn shade_texel(texel: vec2i, level: i32) -> vec3f {
     var folded = array<vec4f, MAX_LOBES>();
     var colors = array<vec3f, MAX_LOBES>();
     for (var slot = 0u; slot < frame.lobes; slot++) {
@@ -350,14 +388,14 @@ fn shade_texel(texel: vec2i, level: i32, light: LocalLight, material: Material) 
     var sum = vec3f(0.0);
     for (var slot = 0u; slot < frame.lobes; slot++) {
         if folded[slot].x > EMPTY_WEIGHT {
-            sum += shade_lobe(ColoredLobe(folded[slot], colors[slot]), light, material);
+            sum += reflect_lobe(ColoredLobe(folded[slot], colors[slot]));
         }
     }
     return sum;
 }
 
 // The blend of what the four texels around `uv` reflect, `level` counted as the map's.
-fn shade_around(uv: vec2f, level: i32, light: LocalLight, material: Material) -> vec3f {
+fn shade_around(uv: vec2f, level: i32) -> vec3f {
     // Not textureDimensions(): some adapters answer it for one level per quad, and a quad may straddle two.
     let size = max(vec2i(frame.base_size) >> vec2u(u32(level)), vec2i(1));
     var taps = bilinear(uv, size, frame.wraps != 0u);
@@ -367,25 +405,14 @@ fn shade_around(uv: vec2f, level: i32, light: LocalLight, material: Material) ->
             continue;
         }
         if level > 0 {
-            sum += taps.weight[i] * shade_texel(taps.texel[i], level - i32(frame.lobe_level), light, material);
+            sum += taps.weight[i] * shade_texel(taps.texel[i], level - i32(frame.lobe_level));
             continue;
         }
         // A base texel is one lobe, whichever slot it sits in.
         let lobe = base_lobe(taps.texel[i]);
         if lobe.stored.x > 0.0 {
-            sum += taps.weight[i] * shade_lobe(lobe, light, material);
+            sum += taps.weight[i] * reflect_lobe(lobe);
         }
-    }
-    return sum;
-}
-
-// The blend of what the eight texels around `uv` reflect.
-fn shade_unaligned(uv: vec2f, lod: f32, light: LocalLight) -> vec3f {
-    let level = floor(lod);
-    let share = lod - level;
-    var sum = (1.0 - share) * shade_around(uv, i32(level), light, material());
-    if share > 0.0 {
-        sum += share * shade_around(uv, i32(level) + 1, light, material());
     }
     return sum;
 }
@@ -393,13 +420,19 @@ fn shade_unaligned(uv: vec2f, lod: f32, light: LocalLight) -> vec3f {
 @fragment
 fn vmf_unaligned(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
+    gather_light(point);
+    if SKY {
+        fetch_sky_light();
+    }
     let probes = probes_of(lookup, frame.vmf_lods);
+    let level = floor(probes.lod);
+    let share = probes.lod - level;
     var sum = vec3f(0.0);
-    for (var index = 0u; index < frame.light_count; index++) {
-        let incident = incident_light(point, index);
-        for (var i = 0u; i < probes.count; i++) {
-            let uv = lookup.uv + probe_offset(probes, i);
-            sum += incident.radiance * shade_unaligned(uv, probes.lod, incident.local);
+    for (var i = 0u; i < probes.count; i++) {
+        let uv = lookup.uv + probe_offset(probes, i);
+        sum += (1.0 - share) * shade_around(uv, i32(level));
+        if share > 0.0 {
+            sum += share * shade_around(uv, i32(level) + 1);
         }
     }
     return seen(sum / f32(probes.count));

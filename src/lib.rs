@@ -14,7 +14,7 @@
 //!                                                               v
 //!             session (what is open, chosen and fitted; revision) -> reference (CPU pictures, error figures)
 //!                                                               v  values only
-//!          gpu frame: surface -> compare; sphere  ->  app/viewport (in the window) or readback (without one)
+//!     gpu frame: environment -> surface -> compare; sphere -> app/viewport (in the window) or readback (without one)
 //! ```
 //!
 //! # Layers

@@ -1,12 +1,12 @@
 //! The lit surface as values: what is drawn, from where, under which light. The GPU frame and the CPU twin read the
 //! same ones.
 
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 
 use crate::brdf::Material;
 use crate::filter::probes::MOST_PROBES;
-use crate::filter::{Filter, LevelChoice, LevelRule, LocalLight, Lookup, PixelFootprint, Probes};
-use crate::lighting::{Light, Lights};
+use crate::filter::{Filter, LevelChoice, LevelRule, LocalLight, LocalSky, Lookup, PixelFootprint, Probes};
+use crate::lighting::{Light, Lights, Sky};
 use crate::scene::{Camera, Shape};
 
 /// Everything the picture of the surface depends on, save the map and the method.
@@ -20,6 +20,8 @@ pub struct LitSurface {
     /// The lights; sessions once had one.
     #[serde(alias = "light")]
     pub lights: Lights,
+    /// The light from everywhere.
+    pub sky: Sky,
     /// The material.
     pub material: Material,
     /// Which level is read.
@@ -36,6 +38,7 @@ impl Default for LitSurface {
             shape: Shape::default(),
             camera: Camera::default(),
             lights: Lights::default(),
+            sky: Sky::default(),
             material: Material::default(),
             level: LevelChoice::default(),
             anisotropy: 1,
@@ -83,6 +86,11 @@ impl SurfacePoint {
         Probes::new(rule, self.uv_dx, self.uv_dy, base, lod_range)
     }
 
+    /// The frame of the surface there.
+    fn world_from_tangent(&self) -> Mat3 {
+        Mat3::from_cols(self.tangent_in_world, self.bitangent_in_world, self.normal_in_world)
+    }
+
     /// Light and view from their unit directions in world space.
     fn local_light(&self, to_light: Vec3, to_eye: Vec3) -> LocalLight {
         let half = (to_eye + to_light).normalize_or(self.normal_in_world);
@@ -103,11 +111,9 @@ pub fn shade_point(
     pixel: [u32; 2],
 ) -> Vec3 {
     let to_eye = (surface.camera.eye_in_world() - point.position_in_world).normalize();
-    let reflected = |light: &LocalLight| {
-        let probe = |offset: Vec2| {
-            let lookup = Lookup { uv: point.uv + offset, footprint: point.footprint, lod: probes.lod, pixel };
-            filter.shade(&lookup, light, &surface.material)
-        };
+    let over_probes = |shade: &dyn Fn(&Lookup) -> Vec3| {
+        let probe =
+            |offset: Vec2| shade(&Lookup { uv: point.uv + offset, footprint: point.footprint, lod: probes.lod, pixel });
         if filter.takes_probes() {
             probes.offsets().map(probe).sum::<Vec3>() / probes.count as f32
         } else {
@@ -116,7 +122,11 @@ pub fn shade_point(
     };
     let of_light = |light: &Light| {
         let incident = light.at(point.position_in_world);
-        incident.radiance * reflected(&point.local_light(incident.direction_in_world, to_eye))
+        let local = point.local_light(incident.direction_in_world, to_eye);
+        incident.radiance * over_probes(&|lookup| filter.shade(lookup, &local, &surface.material))
     };
-    surface.exposure() * surface.lights.as_slice().iter().map(of_light).sum::<Vec3>()
+    let of_lights: Vec3 = surface.lights.as_slice().iter().map(of_light).sum();
+    let sky = LocalSky::new(&surface.sky, &surface.material, point.world_from_tangent(), to_eye);
+    let of_sky = sky.map_or(Vec3::ZERO, |sky| over_probes(&|lookup| filter.shade_sky(lookup, &sky)));
+    surface.exposure() * (of_lights + of_sky)
 }

@@ -12,6 +12,7 @@ pub mod opening;
 pub mod recent;
 pub mod rivals;
 pub mod saving;
+pub mod sky;
 mod unknown_keys;
 mod watch;
 
@@ -79,6 +80,7 @@ pub struct Session {
     selected: Texel,
     fitting: Fitting,
     opening: Opening,
+    sky_opening: sky::SkyOpening,
     rivals: rivals::Rivals,
     recent: recent::RecentFiles,
     saving: saving::Saving,
@@ -124,6 +126,7 @@ impl Session {
             selected: default_selection(&map),
             fitting,
             opening: Opening::default(),
+            sky_opening: sky::SkyOpening::default(),
             rivals: rivals::Rivals::default(),
             recent: recent::RecentFiles::default(),
             saving: saving::Saving::default(),
@@ -395,6 +398,7 @@ impl Session {
         if let Some(prepared) = news {
             self.adopt(prepared);
         }
+        changed |= self.poll_sky();
         changed |= self.fitting.poll(&mut messages);
         self.fitting.measure(&self.wake);
         let mip = || Arc::clone(self.mip.get_or_init(|| Arc::new(PlainMip::new(Arc::clone(&self.map)))));

@@ -23,3 +23,18 @@ fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec
     }
     return material.specular * specular * material.specular_color + material.diffuse * diffuse * material.diffuse_color;
 }
+
+fn ndf_lobe_count() -> u32 {
+    return method.parameter;
+}
+
+fn ndf_lobe(lookup: Lookup, lod: f32, index: u32) -> NdfLobe {
+    let stored = channel_layer(lookup, lod, index);
+    if stored.x < EMPTY_GAUSSIAN {
+        return NdfLobe(0.0, vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let mean = stored.yz / stored.x;
+    let variance = max(stored.w / stored.x - 0.5 * dot(mean, mean), 1.0 / KAPPA_DELTA);
+    let normal = normalize(vec3f(mean, sqrt(max(1.0 - dot(mean, mean), 0.0))));
+    return NdfLobe(stored.x, normal, 1.0 / variance);
+}

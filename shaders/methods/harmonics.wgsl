@@ -118,3 +118,15 @@ fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec
     return material.specular * specular * material.specular_color
         + material.diffuse * PI * sum.y * material.diffuse_color;
 }
+
+fn ndf_lobe_count() -> u32 {
+    return 1u;
+}
+
+// The lobe of the same mean vector.
+fn ndf_lobe(lookup: Lookup, lod: f32, index: u32) -> NdfLobe {
+    let mean = mean_normal(lookup, lod);
+    var lobe = lobe_of_mean(mean);
+    lobe.weight = select(0.0, 1.0, any(mean != vec3f(0.0)));
+    return lobe;
+}

@@ -24,3 +24,16 @@ fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec
     return cosine
         * (material.specular * specular * material.specular_color + material.diffuse * material.diffuse_color);
 }
+
+fn ndf_lobe_count() -> u32 {
+    return 1u;
+}
+
+// One isotropic lobe stands for the Gaussian: as wide as its two variances are on the mean.
+fn ndf_lobe(lookup: Lookup, lod: f32, index: u32) -> NdfLobe {
+    let first = channel_layer(lookup, lod, 0u);
+    let variance = max(first.zw - first.xy * first.xy, vec2f(0.0));
+    var lobe = lobe_of_normal(normalize(vec3f(first.xy, 1.0)));
+    lobe.concentration = 1.0 / max(0.5 * (variance.x + variance.y), 1.0 / KAPPA_DELTA);
+    return lobe;
+}

@@ -5,3 +5,11 @@ fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec
     let half_cosine = dot(normal, light.half_in_tangent);
     return reflect(material, material.shininess, half_cosine, dot(normal, light.light_in_tangent));
 }
+
+fn ndf_lobe_count() -> u32 {
+    return 1u;
+}
+
+fn ndf_lobe(lookup: Lookup, lod: f32, index: u32) -> NdfLobe {
+    return lobe_of_normal(mean_normal(lookup, lod));
+}

@@ -11,3 +11,15 @@ fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec
     let exponent = widened_exponent(length(mean), material.shininess);
     return reflect(material, exponent, dot(normal, light.half_in_tangent), dot(normal, light.light_in_tangent));
 }
+
+fn ndf_lobe_count() -> u32 {
+    return 1u;
+}
+
+// Toksvig's exponent f s = kappa s / (kappa + s) is that of a lobe of kappa = |N| / (1 - |N|).
+fn ndf_lobe(lookup: Lookup, lod: f32, index: u32) -> NdfLobe {
+    let mean = mean_normal(lookup, lod);
+    var lobe = lobe_of_normal(normalize_or_zero(mean));
+    lobe.concentration = length(mean) / max(1.0 - length(mean), 1.0 / KAPPA_DELTA);
+    return lobe;
+}

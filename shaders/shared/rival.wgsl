@@ -1,5 +1,6 @@
 // Twin of filter/rival.rs and filter/channels.rs: the entry point of every rival. The method's own file follows, with
-// `fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec3f`.
+// `fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec3f` and, for the sky,
+// `fn ndf_lobe_count() -> u32` and `fn ndf_lobe(lookup: Lookup, lod: f32, index: u32) -> NdfLobe`.
 
 struct Rival {
     // Levels that may be read.
@@ -24,19 +25,36 @@ fn channel_layer(lookup: Lookup, lod: f32, layer: u32) -> vec4f {
     return textureSampleLevel(channels, trilinear, lookup.uv, layer, lod - method.first_level);
 }
 
+// What the map reflects around a point of every light and of the sky, before its colour.
+fn reflect_around(lookup: Lookup, lod: f32) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var light = 0u; light < frame.light_count; light++) {
+        sum += incident[light].radiance * shade(lookup, lod, incident[light].local, material());
+    }
+    if SKY {
+        for (var index = 0u; index < ndf_lobe_count(); index++) {
+            let lobe = ndf_lobe(lookup, lod, index);
+            if lobe.weight > 0.0 {
+                sum += shade_sky(lobe);
+            }
+        }
+    }
+    return sum;
+}
+
 @fragment
 fn rival(point: Point) -> @location(0) vec4u {
     let lookup = lookup_of(point);
+    gather_light(point);
+    if SKY {
+        fetch_sky_light();
+    }
     let probes = probes_of(lookup, method.lods);
     var sum = vec3f(0.0);
-    for (var index = 0u; index < frame.light_count; index++) {
-        let incident = incident_light(point, index);
-        for (var i = 0u; i < probes.count; i++) {
-            var probe = lookup;
-            probe.uv += probe_offset(probes, i);
-            let reflected = shade(probe, probes.lod, incident.local, material());
-            sum += incident.radiance * mean_color(probe, probes.lod) * reflected;
-        }
+    for (var i = 0u; i < probes.count; i++) {
+        var probe = lookup;
+        probe.uv += probe_offset(probes, i);
+        sum += mean_color(probe, probes.lod) * reflect_around(probe, probes.lod);
     }
     return seen(sum / f32(probes.count));
 }

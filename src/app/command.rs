@@ -9,6 +9,7 @@ use super::view_state::Overlay;
 use super::{ViewState, document};
 use crate::comparison::Comparison;
 use crate::filter::vmf::FitSettings;
+use crate::lighting::SkySource;
 use crate::lit_surface::LitSurface;
 use crate::measure::{Axis, Metric, Sweep};
 use crate::normal_map::MapOptions;
@@ -49,6 +50,10 @@ pub enum Command {
     CancelFit,
     /// Light, material, shape, camera.
     SetSurface(LitSurface),
+    /// Open a sky.
+    OpenSky(SkySource),
+    /// Ask for a file, then open it as a sky.
+    OpenSkyDialog,
     /// Samples per pixel at which the truth is done.
     SetTruthSamples(u32),
     /// Methods, and how they stand beside each other.
@@ -95,6 +100,8 @@ impl Command {
             Self::Refit => session.refit(),
             Self::CancelFit => session.cancel_fit(),
             Self::SetSurface(surface) => session.surface = surface,
+            Self::OpenSky(source) => session.open_sky(source),
+            Self::OpenSkyDialog => session.open_sky_dialog(),
             Self::SetTruthSamples(samples) => session.truth_samples = samples,
             Self::SetComparison(comparison) => session.comparison = comparison,
             Self::Select(texel) => session.select(texel),

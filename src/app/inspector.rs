@@ -116,7 +116,8 @@ impl Inspector {
         let computing = fitting.is_running() || fitting.is_measuring() || session.is_building();
         let computing = computing || session.is_saving() || self.figures.is_running() || self.figures.is_saving();
         let gathering = self.report.is_gathering() || self.brdf.is_running() || self.trace.is_running();
-        let busy = computing || gathering || session.is_opening() || self.view.is_playing();
+        let opening = session.is_opening() || session.is_opening_sky();
+        let busy = computing || gathering || opening || self.view.is_playing();
         let drawing = self.surroundings.target.status.get().wants_more;
         !busy && !drawing && self.live_figures.is_done(self.live_task().as_ref())
     }
@@ -189,7 +190,8 @@ impl Inspector {
         let held = ctx.input(|input| {
             input.pointer.any_down() || !input.keys_down.is_empty() || input.smooth_scroll_delta() != egui::Vec2::ZERO
         });
-        if !held && !self.view.is_playing() && !self.session.is_opening() {
+        let opening = self.session.is_opening() || self.session.is_opening_sky();
+        if !held && !opening && !self.view.is_playing() {
             let now = document::contents(&self.session, &self.view);
             self.autosave.update(&now, ctx, &self.wake);
             self.history.record(now);

@@ -1,12 +1,15 @@
 //! The surface, its material and its levels, as options have them.
 
+use std::sync::Arc;
+
 use clap::{Args, ValueEnum};
 
 use super::rules::{Convolution, Diffuse};
 use crate::brdf::Brdf;
 use crate::filter::LevelChoice;
 use crate::filter::probes::MOST_PROBES;
-use crate::lighting::{Light, Lights};
+use crate::lighting::sky_harmonics::MOST_BANDS;
+use crate::lighting::{Light, Lights, Sky, SkySource};
 use crate::lit_surface::LitSurface;
 use crate::scene::ShapeKind;
 
@@ -40,6 +43,22 @@ pub struct LookArguments {
     /// from the surface's centre it is a point light and falls off by the inverse square.
     #[arg(long = "light", value_name = "LIGHT")]
     pub lights: Vec<Light>,
+    /// No light but the sky.
+    #[arg(long, conflicts_with = "lights")]
+    pub no_lights: bool,
+    /// The sky that lights the surface: clear, overcast, studio, or a file by latitude and longitude, Radiance HDR or
+    /// OpenEXR.
+    #[arg(long, value_name = "NAME|FILE")]
+    pub sky: Option<SkySource>,
+    /// Degrees that the sky is turned.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    pub sky_rotation: Option<f32>,
+    /// Factor on the sky's radiance.
+    #[arg(long, value_name = "FACTOR")]
+    pub sky_intensity: Option<f32>,
+    /// The last band l* of the sky's specular light, 0 to 12.
+    #[arg(long, value_name = "L", value_parser = clap::value_parser!(u8).range(0..=MOST_BANDS as i64))]
+    pub sky_bands: Option<u8>,
 }
 
 /// The surface by name.
@@ -84,6 +103,21 @@ impl LookArguments {
         if !self.lights.is_empty() {
             surface.lights = Lights::try_from(self.lights.as_slice())?;
         }
+        if self.no_lights {
+            surface.lights = Lights::NONE;
+        }
+        self.apply_sky(&mut surface.sky)
+    }
+
+    fn apply_sky(&self, sky: &mut Sky) -> anyhow::Result<()> {
+        if let Some(source) = &self.sky {
+            sky.environment = Some(Arc::new(source.load()?));
+        }
+        let is_fit = |value: &f32| value.is_finite() && *value >= 0.0;
+        anyhow::ensure!(self.sky_intensity.as_ref().is_none_or(is_fit), "The sky's intensity is no factor from 0 up.");
+        sky.rotation_deg = self.sky_rotation.unwrap_or(sky.rotation_deg);
+        sky.intensity = self.sky_intensity.unwrap_or(sky.intensity);
+        sky.last_band = self.sky_bands.unwrap_or(sky.last_band);
         Ok(())
     }
 }

@@ -47,6 +47,9 @@ impl Start<'_> {
         }
         file.fit = self.fit.over(file.fit);
         change(&mut file)?;
+        if let Some(sky) = file.sky.as_ref().filter(|_| file.surface.sky.environment.is_none()) {
+            file.surface.sky.environment = Some(Arc::new(sky.load()?));
+        }
         let mut session = Session::with_opened(opened, Arc::new(|| {}));
         session.set_threads(self.fit.threads());
         session.apply(&file);

@@ -17,13 +17,14 @@ use glam::{DVec3, Vec3};
 use super::channels::ChannelPyramid;
 use super::rival::{Built, Parameter, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
-use super::{EffectiveBrdf, Filter, LocalLight, Lookup, PlainMip};
+use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainMip};
 use crate::brdf::{Brdf, ConvolutionRule, Material};
 use crate::ndf::Ndf;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::harmonics::{
     cosine_power_zonal, cosine_power_zonal_of_paper, each_harmonic, harmonics_to, zonal_series,
 };
+use crate::sphere::vmf;
 
 /// `sh:LMAX`.
 pub static KIND: RivalKind = RivalKind {
@@ -194,5 +195,14 @@ impl Filter for Harmonics {
         self.mip.color(lookup)
             * (material.specular * specular * material.specular_color
                 + material.diffuse * (PI * sums[1]) as f32 * material.diffuse_color)
+    }
+
+    /// The lobe of the same mean vector, which is the NDF's band 1: to turn all bands into the sky's frame is too much
+    /// for a pixel (Han et al. 2007, note 9).
+    fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3 {
+        let mean = self.mip.mean(lookup);
+        let concentration = vmf::concentration(1.0 - f64::from(mean.length()));
+        let normal = NdfLobe::normal(mean.normalize_or_zero());
+        self.mip.color(lookup) * sky.shade(&NdfLobe { concentration, ..normal })
     }
 }

@@ -17,10 +17,11 @@ use glam::{DVec2, DVec3, Vec3, Vec4};
 use super::channels::ChannelPyramid;
 use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
-use super::{EffectiveBrdf, Filter, LocalLight, Lookup, PlainMip};
+use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainMip};
 use crate::brdf::{Brdf, Material};
 use crate::ndf::Ndf;
 use crate::normal_map::pyramid::Texel;
+use crate::sphere::vmf::KAPPA_DELTA;
 
 /// `lean`.
 pub static KIND: RivalKind = RivalKind {
@@ -136,6 +137,15 @@ impl Filter for Lean {
         self.mip.color(lookup)
             * cosine
             * (material.specular * specular * material.specular_color + material.diffuse * material.diffuse_color)
+    }
+
+    /// One isotropic lobe stands for the Gaussian: as wide as its two variances are on the mean.
+    fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3 {
+        let taps = self.moments.taps(lookup);
+        let slopes = SlopeGaussian::from_moments(self.moments.blend(&taps, 0), self.moments.blend(&taps, 1));
+        let concentration = 1.0 / (0.5 * slopes.variance.element_sum()).max(1.0 / KAPPA_DELTA);
+        let normal = NdfLobe::normal(slopes.normal().as_vec3());
+        self.mip.color(lookup) * sky.shade(&NdfLobe { concentration, ..normal })
     }
 }
 

@@ -15,6 +15,7 @@ pub mod plain_mip;
 pub mod probes;
 pub mod rival;
 pub mod sampling;
+pub mod sky_light;
 pub mod toksvig;
 pub mod truth;
 pub mod vmf;
@@ -29,6 +30,7 @@ pub use pixel_footprint::PixelFootprint;
 pub use plain_mip::PlainMip;
 pub use probes::{LevelChoice, LevelRule, Probes};
 pub use rival::{Rival, RivalFilter};
+pub use sky_light::{LocalSky, NdfLobe};
 pub use truth::Truth;
 pub use vmf::{UnalignedVmf, VmfFilter};
 
@@ -70,6 +72,9 @@ pub trait Filter: Send + Sync {
 
     /// Linear RGB reflected towards the eye for light of radiance 1: the CPU twin of the method's shader.
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3;
+
+    /// Linear RGB reflected of the sky towards the eye, likewise.
+    fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3;
 
     /// Whether a long footprint is read by several probes; the truth alone covers it by its own samples.
     fn takes_probes(&self) -> bool {

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::sampling::{Grid, trilinear};
-use super::{EffectiveBrdf, Filter, LocalLight, Lookup, reflect};
+use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, reflect};
 use crate::brdf::{Brdf, Material};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::{Footprint, Texel};
@@ -140,6 +140,10 @@ impl Filter for PlainMip {
         let normal = self.mean(lookup).normalize_or_zero();
         self.color(lookup) * reflect_from(normal, light, material)
     }
+
+    fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3 {
+        self.color(lookup) * sky.shade(&NdfLobe::normal(self.mean(lookup).normalize_or_zero()))
+    }
 }
 
 /// The mean normals, used as they are.
@@ -159,6 +163,10 @@ impl Filter for UnnormalisedMip {
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         self.mip.color(lookup) * reflect_from(self.mip.mean(lookup), light, material)
+    }
+
+    fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3 {
+        self.mip.color(lookup) * sky.shade(&NdfLobe::normal(self.mip.mean(lookup)))
     }
 }
 

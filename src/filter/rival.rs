@@ -25,7 +25,8 @@ pub struct RivalKind {
     pub parameter: Option<Parameter>,
     /// True where pictures sample channels beside the mean normals.
     pub has_channels: bool,
-    /// WGSL of `fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec3f`.
+    /// WGSL of `fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec3f` and, for the sky, of
+    /// `fn ndf_lobe_count() -> u32` and `fn ndf_lobe(lookup: Lookup, lod: f32, index: u32) -> NdfLobe`.
     pub shader: &'static str,
     /// Makes the filter.
     pub build: fn(&Source<'_>, Rival) -> Built,

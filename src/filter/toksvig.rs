@@ -10,9 +10,10 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
-use super::{EffectiveBrdf, Filter, LocalLight, Lookup, PlainMip, reflect};
+use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainMip, reflect};
 use crate::brdf::{BlinnPhong, Brdf, Material};
 use crate::normal_map::pyramid::Texel;
+use crate::sphere::vmf::KAPPA_DELTA;
 
 /// `toksvig`.
 pub static KIND: RivalKind = RivalKind {
@@ -64,6 +65,15 @@ impl Filter for Toksvig {
         let exponent = widened_exponent(mean.length(), material.shininess);
         let (half, cosine) = (normal.dot(light.half_in_tangent), normal.dot(light.light_in_tangent));
         self.mip.color(lookup) * reflect(material, exponent, half, cosine)
+    }
+
+    /// Toksvig's exponent `f s = kappa s / (kappa + s)` is that of a lobe of `kappa = |N| / (1 - |N|)`.
+    fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3 {
+        let mean = self.mip.mean(lookup);
+        let length = f64::from(mean.length());
+        let concentration = length / (1.0 - length).max(1.0 / KAPPA_DELTA);
+        let normal = NdfLobe::normal(mean.normalize_or_zero());
+        self.mip.color(lookup) * sky.shade(&NdfLobe { concentration, ..normal })
     }
 }
 

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3};
 
 use super::sampling::address;
-use super::{EffectiveBrdf, Filter, LocalLight, Lookup, reflect};
+use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, reflect};
 use crate::brdf::{Brdf, Material};
 use crate::ndf::Ndf;
 use crate::normal_map::pyramid::Texel;
@@ -36,15 +36,24 @@ fn pcg(input: u32) -> u32 {
     (word >> 22) ^ word
 }
 
+/// What starts the sequences of a pixel: two of the jitter, three of the sky's directions.
+pub(super) fn pixel_seeds(pixel: [u32; 2]) -> [u32; 5] {
+    let mut seed = pcg(pixel[1]) ^ pixel[0];
+    std::array::from_fn(|_| {
+        seed = pcg(seed);
+        seed
+    })
+}
+
+/// Number `index` of a Kronecker sequence, in `0..1`.
+pub(super) fn number(seed: u32, step: u32, index: u32) -> f32 {
+    (seed.wrapping_add(index.wrapping_mul(step)) >> 8) as f32 / 16_777_216.0
+}
+
 /// Offset of sample `index` from the pixel's centre, each component in `-0.5..0.5`, for integer pixel coordinates.
 pub fn jitter(pixel: [u32; 2], index: u32) -> Vec2 {
-    let first = pcg(pixel[0] ^ pcg(pixel[1]));
-    let seeds = [first, pcg(first)];
-    let component = |axis: usize| {
-        let bits = seeds[axis].wrapping_add(index.wrapping_mul(R2_STEP[axis]));
-        (bits >> 8) as f32 / 16_777_216.0 - 0.5
-    };
-    Vec2::new(component(0), component(1))
+    let [across, down, ..] = pixel_seeds(pixel);
+    Vec2::new(number(across, R2_STEP[0], index), number(down, R2_STEP[1], index)) - 0.5
 }
 
 /// The base texel under `uv` along one axis of `size` texels.
@@ -84,5 +93,14 @@ impl Filter for Truth {
             sum += (color * reflect(material, material.shininess, half_cosine, light_cosine)).as_dvec3();
         }
         (sum / f64::from(self.samples)).as_vec3()
+    }
+
+    fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3 {
+        let sample = |index: u32| {
+            let offset = jitter(lookup.pixel, index);
+            let (normal, color) = self.texel_at(lookup.uv + lookup.footprint.uv_step(offset));
+            (color * sky.sample(normal, lookup.pixel, index)).as_dvec3()
+        };
+        ((0..self.samples).map(sample).sum::<DVec3>() / f64::from(self.samples)).as_vec3()
     }
 }

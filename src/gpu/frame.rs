@@ -19,6 +19,7 @@ use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::comparison::{Arrangement, ShownMethod};
 use crate::filter::vmf::{Fold, LobePyramid};
 use crate::filter::{LevelChoice, Method, PlainMip};
+use crate::lighting::Sky;
 use crate::lit_surface::LitSurface;
 use crate::normal_map::Addressing;
 
@@ -141,8 +142,8 @@ impl SurfaceFrame {
         let due: Vec<Method> = self.pictures.iter().filter(is_due).map(|picture| picture.method).collect();
         if !due.is_empty() {
             let data = self.frame_data(input);
-            self.surface.prepare(device, queue, input.surface, &data);
-            let variant = Variant::new(self.textures.is_colored(), &input.surface.material);
+            self.surface.prepare((device, queue), input.surface, &data, self.size);
+            let variant = Variant::new(self.textures.is_colored(), input.surface);
             self.surface.prepare_methods(device, &due, variant);
         }
         for method in due {
@@ -281,6 +282,7 @@ impl SurfaceFrame {
             surface.material.convolution = ConvolutionRule::default();
             surface.level = LevelChoice::default();
             surface.anisotropy = 1;
+            surface.sky.last_band = Sky::LAST_BAND;
         }
         let revisions = match method {
             Method::Truth => [self.textures.map_revision, 0],

@@ -21,6 +21,11 @@ pub const SAMPLING: &str = include_str!("../../shaders/shared/sampling.wgsl");
 /// The truth's jitter, the twin of `filter/truth.rs`.
 pub const TRUTH: &str = include_str!("../../shaders/shared/truth.wgsl");
 
+/// A direction in a picture by latitude and longitude, the twin of `lighting/environment.rs`.
+pub const LAT_LONG: &str = include_str!("../../shaders/shared/lat_long.wgsl");
+/// What lobes and samples reflect of the sky, the twin of `filter/sky_light.rs`.
+pub const SKY: &str = include_str!("../../shaders/shared/sky.wgsl");
+
 /// The entry point of every rival, the twin of `filter/rival.rs` and `filter/channels.rs`.
 pub const RIVAL: &str = include_str!("../../shaders/shared/rival.wgsl");
 

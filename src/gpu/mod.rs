@@ -14,6 +14,7 @@ pub mod picture;
 pub mod picture_readback;
 pub mod readback;
 pub mod rival_textures;
+pub mod sky_textures;
 pub mod snapshots;
 pub mod surface_pipelines;
 pub mod textures;

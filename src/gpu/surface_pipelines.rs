@@ -6,9 +6,10 @@
 use std::collections::HashMap;
 
 use super::passes::surface::{COLOR_FORMAT, DEPTH_FORMAT, SHADER, rival_shader};
-use crate::brdf::{ConvolutionRule, DiffuseRule, Material};
+use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::{Method, Rival};
 use crate::gpu::layout;
+use crate::lit_surface::LitSurface;
 use crate::scene::Vertex;
 
 /// What a pipeline is made for; the shader's overrides.
@@ -18,13 +19,16 @@ pub struct Variant {
     pub colored: bool,
     /// `EXACT_RULES`: the material names an exact rule.
     pub exact: bool,
+    /// `SKY`: a sky lights the surface.
+    pub sky: bool,
 }
 
 impl Variant {
-    /// The variant for a material.
-    pub fn new(colored: bool, material: &Material) -> Self {
+    /// The variant for a surface.
+    pub fn new(colored: bool, surface: &LitSurface) -> Self {
+        let material = &surface.material;
         let exact = material.convolution == ConvolutionRule::Exact || material.diffuse_rule == DiffuseRule::Exact;
-        Self { colored, exact }
+        Self { colored, exact, sky: surface.sky.environment.is_some() }
     }
 
     /// What `method` has of it: rules are for lobes.
@@ -51,11 +55,11 @@ fn without_number(method: Method) -> Method {
 }
 
 impl SurfacePipelines {
-    /// Compiles the truth and the lobes for maps without colour and rules of closed form; `groups` are frame and map,
-    /// then the truth's mean so far and a rival's channels, which take the same place.
+    /// Compiles the truth and the lobes for maps without colour, rules of closed form and no sky; `groups` are frame, map
+    /// and sky, then the truth's mean so far and a rival's channels, which take the same place before the sky.
     pub fn new(
         device: &wgpu::Device,
-        [frame, map]: [&wgpu::BindGroupLayout; 2],
+        [frame, map, sky]: [&wgpu::BindGroupLayout; 3],
         [mean, rival]: [&wgpu::BindGroupLayout; 2],
     ) -> Self {
         let layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
@@ -68,9 +72,9 @@ impl SurfacePipelines {
         let mut pipelines = Self {
             shader: layout::shader(device, "surface", &SHADER),
             rival_shaders: HashMap::new(),
-            layout: layout(&[Some(frame), Some(map)]),
-            truth_layout: layout(&[Some(frame), Some(map), Some(mean)]),
-            rival_layout: layout(&[Some(frame), Some(map), Some(rival)]),
+            layout: layout(&[Some(frame), Some(map), None, Some(sky)]),
+            truth_layout: layout(&[Some(frame), Some(map), Some(mean), Some(sky)]),
+            rival_layout: layout(&[Some(frame), Some(map), Some(rival), Some(sky)]),
             made: HashMap::new(),
         };
         pipelines.make(device, &[Method::Truth, Method::Vmf, Method::VmfUnaligned], Variant::default());
@@ -109,7 +113,11 @@ impl SurfacePipelines {
     ) -> wgpu::RenderPipeline {
         let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2];
         let number = |flag: bool| f64::from(u8::from(flag));
-        let overrides = [("COLORED", number(variant.colored)), ("EXACT_RULES", number(variant.exact))];
+        let overrides = [
+            ("COLORED", number(variant.colored)),
+            ("EXACT_RULES", number(variant.exact)),
+            ("SKY", number(variant.sky)),
+        ];
         let (layout, entry_point) = match method {
             Method::Truth => (&self.truth_layout, "truth"),
             Method::Vmf => (&self.layout, "vmf"),

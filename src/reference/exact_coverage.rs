@@ -20,7 +20,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::brdf::{Brdf, Material};
 use crate::filter::sampling::address;
-use crate::filter::{EffectiveBrdf, Filter, LocalLight, Lookup, PixelFootprint, reflect};
+use crate::filter::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, PixelFootprint, reflect};
 use crate::ndf::Ndf;
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
@@ -75,6 +75,14 @@ impl Filter for ExactCoverage {
             let normal = self.map.normal(index).unwrap_or(Vec3::ZERO);
             let (half, cosine) = (normal.dot(light.half_in_tangent), normal.dot(light.light_in_tangent));
             share * (self.map.color(index) * reflect(material, material.shininess, half, cosine)).as_dvec3()
+        };
+        self.texels(lookup.uv, &lookup.footprint).into_iter().map(reflected).sum::<DVec3>().as_vec3()
+    }
+
+    fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3 {
+        let reflected = |(index, share): (usize, f64)| {
+            let normal = self.map.normal(index).unwrap_or(Vec3::ZERO);
+            share * (self.map.color(index) * sky.exact(normal)).as_dvec3()
         };
         self.texels(lookup.uv, &lookup.footprint).into_iter().map(reflected).sum::<DVec3>().as_vec3()
     }

@@ -11,6 +11,7 @@ use super::{MapRequest, Message, Session, unknown_keys};
 use crate::comparison::Comparison;
 use crate::filter::vmf::FitSettings;
 use crate::image_io::{WriteImageError, write_bytes_atomically};
+use crate::lighting::SkySource;
 use crate::lit_surface::LitSurface;
 use crate::normal_map::pyramid::Texel;
 use crate::normal_map::{MapOptions, MapSource};
@@ -37,6 +38,8 @@ pub struct SessionFile {
     pub fit: FitSettings,
     /// The lit surface: shape, camera, light, material, level, exposure.
     pub surface: LitSurface,
+    /// The sky that lights the surface; none where it is missing.
+    pub sky: Option<SkySource>,
     /// The methods compared, and how they stand beside each other.
     pub comparison: Comparison,
     /// The selected texel.
@@ -87,7 +90,7 @@ impl SessionFile {
         path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
     }
 
-    /// Reads a session file and makes the paths of the map and of its colour absolute.
+    /// Reads a session file and makes the paths of the map, of its colour and of the sky absolute.
     ///
     /// # Errors
     /// A sentence that names the file and the cause.
@@ -155,6 +158,9 @@ impl SessionFile {
         if let Some(color) = &mut self.map_options.color {
             change(color);
         }
+        if let Some(SkySource::Path(sky)) = &mut self.sky {
+            change(sky);
+        }
     }
 
     /// The request that opens the session's map, if it names one.
@@ -186,6 +192,7 @@ impl Session {
             map_options: self.map.options.clone(),
             fit: *self.fit_settings(),
             surface: self.surface.clone(),
+            sky: self.surface.sky.environment.as_ref().map(|sky| sky.source.clone()),
             comparison: self.comparison,
             selected: Some(self.selected),
             truth_samples: Some(self.truth_samples),
@@ -215,8 +222,12 @@ impl Session {
         }
     }
 
+    /// A sky that is not read yet is read in the background.
     fn take_settings(&mut self, file: &SessionFile) {
         self.surface = file.surface.clone();
+        if let Some(sky) = file.sky.clone().filter(|_| self.surface.sky.environment.is_none()) {
+            self.open_sky(sky);
+        }
         self.comparison = file.comparison;
         self.truth_samples = file.truth_samples.unwrap_or(self.truth_samples);
         self.unknown.clone_from(&file.unknown);
@@ -259,7 +270,7 @@ impl Session {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lighting::Light;
+    use crate::lighting::{Light, ProceduralSky};
 
     fn parse(text: &str) -> SessionFile {
         SessionFile::parse("a.ndfi.json", text.as_bytes()).expect("a session")
@@ -309,5 +320,16 @@ mod tests {
         assert_eq!(file.unknown_sentence(), None);
         let written = file.to_json().expect("serialises");
         assert_eq!(SessionFile::parse("new.json", written.as_bytes()).expect("a session").surface, file.surface);
+    }
+
+    #[test]
+    fn a_session_names_its_sky_and_keeps_how_it_lights() {
+        let parse = |text: &str| SessionFile::parse("sky.json", text.as_bytes()).expect("a session");
+        let file = parse(r#"{"sky": {"path": "sky.exr"}, "surface": {"sky": {"rotation_deg": 40.0}}}"#);
+        assert_eq!(file.sky, Some(SkySource::Path("sky.exr".into())));
+        assert!((file.surface.sky.rotation_deg - 40.0).abs() < 1e-6 && file.surface.sky.environment.is_none());
+        assert_eq!(parse(&file.to_json().expect("serialises")), file);
+        let bundled = parse(r#"{"sky": {"bundled": "overcast"}}"#);
+        assert_eq!(bundled.sky, Some(SkySource::Bundled(ProceduralSky::Overcast)));
     }
 }

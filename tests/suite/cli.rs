@@ -334,3 +334,76 @@ fn fit_prints_the_lobes_colours() {
     let plain = json(&run(&folder, &["fit", "scales.png", "-J", "2", "--texel", "3,1,1", "--json", "-"]));
     assert!(plain["texels"][0]["lobes"][0].get("color").is_none());
 }
+
+/// A Radiance HDR or OpenEXR file of grey texels, brighter to the right, the last of which is `last`.
+fn write_sky(folder: &TempDir, name: &str, (width, height): (u32, u32), last: f32) {
+    let value = |x, y| if (x + 1, y + 1) == (width, height) { last } else { 0.2 + x as f32 / width as f32 };
+    let path = folder.path().join(name);
+    if name.ends_with(".exr") {
+        let grey = |x, y| <(f32, f32, f32)>::from([value(x as u32, y as u32); 3]);
+        exr::prelude::write_rgb_file(path, width as usize, height as usize, grey).expect("written");
+    } else {
+        image::Rgb32FImage::from_fn(width, height, |x, y| image::Rgb([value(x, y); 3])).save(path).expect("saved");
+    }
+}
+
+#[test]
+fn a_sky_lights_the_picture_and_a_bad_one_is_refused_in_a_sentence() {
+    let folder = folder();
+    let render = |sky: &str, more: &[&str]| {
+        let mut arguments = vec!["render", "v-groove", "--method", "mip", "--size", "64x48", "-o", "out.png"];
+        arguments.extend(["--no-lights", "--sky", sky]);
+        arguments.extend(more);
+        run(&folder, &arguments)
+    };
+    write_sky(&folder, "grey.hdr", (32, 16), 3.0);
+    let written = |sky, more: &[&str]| {
+        let output = render(sky, more);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        std::fs::read(folder.path().join("out.png")).expect("written")
+    };
+    let picture = written("grey.hdr", &[]);
+    assert_ne!(picture, written("grey.hdr", &["--sky-rotation", "-120"]));
+    assert_ne!(picture, written("overcast", &[]));
+    write_sky(&folder, "square.hdr", (16, 16), 1.0);
+    write_sky(&folder, "nan.exr", (16, 8), f32::NAN);
+    write_sky(&folder, "endless.exr", (16, 8), f32::INFINITY);
+    image::RgbImage::new(16, 8).save(folder.path().join("codes.png")).expect("saved");
+    image::Rgb32FImage::new(16, 8).save(folder.path().join("night.hdr")).expect("saved");
+    std::fs::write(folder.path().join("cut.hdr"), b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n\x02")
+        .expect("written");
+    for (sky, cause) in [
+        ("square.hdr", "a sky is twice as wide as high"),
+        ("nan.exr", "no number, at texel (15, 7)"),
+        ("endless.exr", "no number, at texel (15, 7)"),
+        ("codes.png", "read from Radiance HDR or"),
+        ("night.hdr", "black everywhere"),
+        ("cut.hdr", "cut.hdr"),
+        ("gone.exr", "does not exist"),
+    ] {
+        assert_refused(&render(sky, &[]), sky);
+        let error = render(sky, &[]).stderr;
+        assert!(String::from_utf8_lossy(&error).contains(cause), "{sky}: {}", String::from_utf8_lossy(&error));
+    }
+}
+
+#[test]
+fn lights_of_the_command_line_take_the_place_of_the_sessions() {
+    let folder = folder();
+    let session = r#"{"map": {"bundled": "v-groove"}, "surface": {"light": {"azimuth_deg": 20.0}}}"#;
+    std::fs::write(folder.path().join("s.json"), session).expect("written");
+    let render = |more: &[&str]| {
+        let mut arguments =
+            vec!["render", "--session", "s.json", "--method", "mip", "--size", "64x48", "-o", "out.png"];
+        arguments.extend(more);
+        let output = run(&folder, &arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        std::fs::read(folder.path().join("out.png")).expect("written")
+    };
+    assert_eq!(render(&[]), render(&["--light", "azimuth=20"]));
+    assert_ne!(render(&[]), render(&["--light", "azimuth=20", "--light", "azimuth=-90,distance=2"]));
+    let nine = ["--light", "azimuth=1"].repeat(9);
+    let refused = run(&folder, &[&["render", "v-groove", "-o", "out.png"][..], &nine].concat());
+    assert_refused(&refused, "9 lights are more than the 8");
+    assert_eq!(run(&folder, &["render", "v-groove", "-o", "out.png", "--light", "bright"]).status.code(), Some(2));
+}

@@ -20,6 +20,7 @@ mod doctor;
 mod level_figures;
 mod light;
 mod parameters;
+mod sky;
 use parameters as p;
 
 /// Shows all groups, scrolling where the window is low.
@@ -38,6 +39,8 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         material(ui, &mut surface);
         rule(ui);
         light::show(ui, &mut surface.lights, &mut context.view.light);
+        rule(ui);
+        sky::show(ui, context, &mut surface.sky);
         rule(ui);
         heading(ui, "Surface");
         shape(ui, &mut surface, context.session.map().level_sizes().len());

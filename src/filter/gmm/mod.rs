@@ -18,9 +18,10 @@ use glam::{DVec3, Vec3};
 use super::channels::ChannelPyramid;
 use super::rival::{Built, Parameter, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
-use super::{EffectiveBrdf, Filter, LocalLight, Lookup, PlainMip};
+use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainMip};
 use crate::brdf::{Brdf, Material};
 use crate::normal_map::pyramid::Texel;
+use crate::sphere::vmf::KAPPA_DELTA;
 
 pub use em::PlanarMixture;
 pub use gaussian::{MAX_GAUSSIANS, PlanarGaussian};
@@ -114,5 +115,17 @@ impl Filter for Gmm {
         self.mip.color(lookup)
             * (material.specular * specular as f32 * material.specular_color
                 + material.diffuse * diffuse as f32 * material.diffuse_color)
+    }
+
+    fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3 {
+        let taps = self.gaussians.taps(lookup);
+        let stored = (0..self.gaussians.layers).map(|layer| self.gaussians.blend(&taps, layer).to_array());
+        let lobe = |gaussian: PlanarGaussian| NdfLobe {
+            weight: gaussian.weight as f32,
+            mean_direction: gaussian.normal().as_vec3(),
+            concentration: 1.0 / gaussian.variance.max(1.0 / KAPPA_DELTA),
+        };
+        let lobes = stored.filter_map(PlanarGaussian::from_stored).map(lobe);
+        self.mip.color(lookup) * lobes.map(|lobe| sky.shade(&lobe)).sum::<Vec3>()
     }
 }

@@ -57,7 +57,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
 
 use super::sampling::{Grid, trilinear};
-use super::{EffectiveBrdf, Filter, LocalLight, Lookup, reflect};
+use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, reflect};
 use crate::brdf::{Brdf, ConvolutionRule, Convolved, DiffuseRule, Material};
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
@@ -181,6 +181,21 @@ impl Slots {
     }
 }
 
+impl Slots {
+    /// What they reflect of the sky together.
+    fn shade_sky(&self, sky: &LocalSky<'_>) -> Vec3 {
+        let filled = self.0.iter().filter(|(stored, _)| stored.x > EMPTY_WEIGHT);
+        let of_lobe = |&(stored, color): &(glam::Vec4, Vec3)| {
+            let resultant = stored.yzw() / stored.x;
+            let length = resultant.length();
+            let concentration = vmf::concentration(1.0 - f64::from(length));
+            let mean_direction = resultant / length.max(1e-12);
+            color * sky.shade(&NdfLobe { weight: 1.0, mean_direction, concentration })
+        };
+        filled.map(of_lobe).sum()
+    }
+}
+
 impl Filter for VmfFilter {
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let mixture = fold::mixture(&self.lobes, self.fold, texel).unwrap_or_default();
@@ -198,6 +213,10 @@ impl Filter for VmfFilter {
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         trilinear(lookup.lod, self.lobes.levels(), |level| self.slots_at(lookup.uv, level)).shade(light, material)
     }
+
+    fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3 {
+        trilinear(lookup.lod, self.lobes.levels(), |level| self.slots_at(lookup.uv, level)).shade_sky(sky)
+    }
 }
 
 impl Filter for UnalignedVmf {
@@ -207,6 +226,13 @@ impl Filter for UnalignedVmf {
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let of_texel = |level, (index, weight)| weight * self.0.slots_of(level, index).shade(light, material);
+        trilinear(lookup.lod, self.0.lobes.levels(), |level| {
+            self.0.grid(level).bilinear(lookup.uv).into_iter().map(|tap| of_texel(level, tap)).sum::<Vec3>()
+        })
+    }
+
+    fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3 {
+        let of_texel = |level, (index, weight)| weight * self.0.slots_of(level, index).shade_sky(sky);
         trilinear(lookup.lod, self.0.lobes.levels(), |level| {
             self.0.grid(level).bilinear(lookup.uv).into_iter().map(|tap| of_texel(level, tap)).sum::<Vec3>()
         })

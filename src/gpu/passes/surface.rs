@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::environment::EnvironmentPass;
 use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::rival::RivalKind;
 use crate::filter::vmf::Fold;
@@ -9,6 +10,7 @@ use crate::filter::{LevelChoice, Method};
 use crate::gpu::exact_tables::ExactTables;
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, texture_2d, uniform_buffer};
 use crate::gpu::rival_textures::RivalTextures;
+use crate::gpu::sky_textures::SkyTextures;
 use crate::gpu::surface_pipelines::{SurfacePipelines, Variant};
 use crate::gpu::textures::MapTextures;
 use crate::lighting::{Light, MAX_LIGHTS};
@@ -22,7 +24,7 @@ pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shader's parts, in order.
-pub const SHADER: [&str; 8] = [
+pub const SHADER: [&str; 10] = [
     layout::VMF,
     layout::BLINN_PHONG,
     layout::EXACT_TABLE,
@@ -30,6 +32,8 @@ pub const SHADER: [&str; 8] = [
     layout::PROBES,
     layout::SAMPLING,
     layout::TRUTH,
+    layout::LAT_LONG,
+    layout::SKY,
     include_str!("../../../shaders/surface.wgsl"),
 ];
 
@@ -166,6 +170,8 @@ pub struct SurfacePass {
     constants: wgpu::Buffer,
     exact_tables: ExactTables,
     frame_group: wgpu::BindGroup,
+    sky: SkyTextures,
+    environment: EnvironmentPass,
     mean_layout: wgpu::BindGroupLayout,
     rival_layout: wgpu::BindGroupLayout,
     meshes: HashMap<ShapeKind, MeshBuffers>,
@@ -215,14 +221,25 @@ impl SurfacePass {
         let mean_type = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
         let mean_layout = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[mean_type]);
         let rival_layout = RivalTextures::layout(device);
-        let pipelines = SurfacePipelines::new(device, [&frame, map], [&mean_layout, &rival_layout]);
+        let sky = SkyTextures::new(device);
+        let pipelines = SurfacePipelines::new(device, [&frame, map, sky.layout()], [&mean_layout, &rival_layout]);
         let constants = uniform_buffer::<FrameData>(device, "surface frame");
         let exact_tables = ExactTables::new(device);
         let tables = exact_tables.view();
         let resources = [constants.as_entire_binding(), wgpu::BindingResource::TextureView(&tables)];
         let frame_group = bind_group(device, "surface frame", &frame, &resources);
-        let (variant, meshes) = (Variant::default(), HashMap::new());
-        Self { pipelines, variant, constants, exact_tables, frame_group, mean_layout, rival_layout, meshes }
+        Self {
+            pipelines,
+            variant: Variant::default(),
+            constants,
+            exact_tables,
+            frame_group,
+            sky,
+            environment: EnvironmentPass::new(device),
+            mean_layout,
+            rival_layout,
+            meshes: HashMap::new(),
+        }
     }
 
     /// No channels yet, of a rival that is to be drawn.
@@ -243,10 +260,21 @@ impl SurfacePass {
         Target { depth: depth.create_view(&depth_label), as_mean, color, view }
     }
 
-    /// Writes the frame's constants and makes sure of the mesh and of the tables that the material needs.
-    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, surface: &LitSurface, data: &FrameData) {
+    /// Writes the frame's constants and makes sure of the mesh, of the sky and of the tables that the material needs,
+    /// for pictures of `size`.
+    pub fn prepare(
+        &mut self,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        surface: &LitSurface,
+        data: &FrameData,
+        size: [u32; 2],
+    ) {
         queue.write_buffer(&self.constants, 0, bytemuck::bytes_of(data));
         self.exact_tables.prepare(queue, &surface.material);
+        if self.sky.prepare(queue, &surface.sky, &surface.material) {
+            self.environment.set_sky(device, self.sky.texels());
+        }
+        self.environment.prepare(queue, surface, size);
         let kind = surface.shape.kind;
         self.meshes.entry(kind).or_insert_with(|| MeshBuffers::new(device, queue, kind));
     }
@@ -271,9 +299,11 @@ impl SurfacePass {
             return;
         };
         let mut pass = begin(encoder, target, timestamps);
+        self.environment.draw(&mut pass);
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.frame_group, &[]);
         pass.set_bind_group(1, map.bind_group(), &[]);
+        pass.set_bind_group(3, self.sky.bind_group(), &[]);
         match reads {
             Reads::Nothing => {}
             Reads::Mean(mean) => pass.set_bind_group(2, &mean.as_mean, &[]),

@@ -4,9 +4,11 @@ use std::mem::offset_of;
 
 use ndf_inspector::filter::rival::RIVALS;
 use ndf_inspector::gpu::passes::compare::{self, CompareData};
+use ndf_inspector::gpu::passes::environment::{self, EnvironmentData};
 use ndf_inspector::gpu::passes::sphere::{self, gpu_data};
 use ndf_inspector::gpu::passes::surface::{self, FrameData, LightData};
 use ndf_inspector::gpu::rival_textures::RivalData;
+use ndf_inspector::gpu::sky_textures::SkyData;
 use wgpu::naga;
 
 fn parse(parts: &[&str]) -> naga::Module {
@@ -65,6 +67,8 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
     });
     assert_eq!(layout(&module, "Frame"), rust);
     assert_eq!(layout(&module, "Light"), rust_layout!(LightData { position_in_world, radiance, padding }));
+    let sky = rust_layout!(SkyData { turn, intensity, last_band, specular_bands, diffuse_bands });
+    assert_eq!(layout(&module, "Sky"), sky);
 }
 
 #[test]
@@ -73,6 +77,13 @@ fn every_rivals_shader_is_valid_and_lays_out_its_constants_as_rust_does() {
         let module = parse(&surface::rival_shader(kind));
         assert_eq!(layout(&module, "Rival"), rust_layout!(RivalData { lods, first_level, parameter }), "{}", kind.name);
     }
+}
+
+#[test]
+fn the_environment_shader_is_valid_and_lays_out_its_constants_as_rust_does() {
+    let module = parse(&environment::SHADER);
+    let rust = rust_layout!(EnvironmentData { world_from_clip, eye_in_world, intensity, turn, padding });
+    assert_eq!(layout(&module, "Environment"), rust);
 }
 
 #[test]

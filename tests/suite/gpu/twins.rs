@@ -12,7 +12,7 @@ use ndf_inspector::filter::{
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame};
 use ndf_inspector::lighting::Light;
 use ndf_inspector::normal_map::Addressing;
-use ndf_inspector::reference::{self, Picture};
+use ndf_inspector::reference::{self, Picture, normalised_color_error};
 use ndf_inspector::scene::{Shape, ShapeKind};
 use std::sync::Arc;
 
@@ -130,7 +130,7 @@ fn rivals() -> Vec<Rival> {
     rivals
 }
 
-fn methods() -> impl Iterator<Item = Method> {
+pub(super) fn methods() -> impl Iterator<Item = Method> {
     rivals().into_iter().map(Method::Rival).chain([Method::Truth, Method::Vmf, Method::VmfUnaligned])
 }
 
@@ -336,6 +336,31 @@ fn more_probes_bring_a_grazing_plane_nearer_the_truth_and_leave_the_truth_alone(
         println!("{method}: {errors:?}");
         assert!(errors[1] < 0.8 * errors[0] && errors[2] < errors[1], "{method}: {errors:?}");
     }
+}
+
+/// Han et al. 2007, figure 3: harmonics to l = 2 of a Lambertian plane that runs into the distance.
+#[test]
+fn probes_let_harmonics_and_mean_normals_gain_on_a_grazing_lambertian_plane() {
+    let scene = |probes| {
+        let mut scene = grazing(LevelChoice::Auto, probes);
+        (scene.surface.material.specular, scene.surface.material.diffuse) = (0.0, 1.0);
+        scene.surface.camera.elevation_deg = 8.0;
+        scene
+    };
+    let truth = on_adapter(&scene(1), Method::Truth);
+    let errors = |name: &str| {
+        let method = Method::Rival(Rival::parse(name).expect("a rival"));
+        let error = |probes| normalised_color_error(&on_adapter(&scene(probes), method), &truth).expect("seen");
+        let errors = [1, 2, 4, 8, 16].map(error);
+        println!("{name} by 1, 2, 4, 8 and 16 probes: {errors:.4?}");
+        errors
+    };
+    let (harmonics, mip) = (errors("sh:2"), errors("mip"));
+    for errors in [harmonics, mip] {
+        assert!(errors.windows(2).all(|pair| pair[1] < pair[0] + 1e-3), "{errors:?}");
+        assert!(errors[4] < 0.8 * errors[0], "{errors:?}");
+    }
+    assert!(harmonics[4] < mip[4], "{harmonics:?} and {mip:?}");
 }
 
 #[test]

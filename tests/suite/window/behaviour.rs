@@ -12,6 +12,7 @@ use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::comparison::View;
 use ndf_inspector::filter::Method;
 use ndf_inspector::filter::vmf::{FitSettings, Fold};
+use ndf_inspector::lighting::SkySource;
 use ndf_inspector::normal_map::albedo::Albedo;
 use ndf_inspector::normal_map::pyramid::Texel;
 use ndf_inspector::normal_map::{MapOptions, MapSource, procedural};
@@ -298,6 +299,27 @@ fn a_sweep_turns_the_selected_light_and_asks_for_frames_only_while_it_plays() {
     settle(&mut window);
     window.step();
     assert!(azimuth(&window).to_bits() == stopped.to_bits() && delay(&window) == Duration::MAX);
+}
+
+#[test]
+fn a_sky_is_chosen_by_name_and_a_bad_one_leaves_it() {
+    let mut window = window(fitted("pyramid5", 64));
+    let name = |window: &Window| {
+        let environment = window.state().inspector.session.surface.sky.environment.clone();
+        environment.map(|environment| environment.source.short_name())
+    };
+    window.get_by_label("Environment").click();
+    window.run();
+    window.get_by_label("studio").click();
+    window.step();
+    step_until(&mut window, "the sky", |window| name(window).is_some());
+    assert_eq!(name(&window).as_deref(), Some("studio"));
+    window.get_by_label("Sky rotation").set_value_accesskit(30.0);
+    window.run();
+    assert!((window.state().inspector.session.surface.sky.rotation_deg - 30.0).abs() < 1e-3);
+    window.state_mut().inspector.session.open_sky(SkySource::Path("/nowhere/sky.exr".into()));
+    step_until(&mut window, "the sentence", |window| window.query_by_label_contains("/nowhere/sky.exr").is_some());
+    assert_eq!(name(&window).as_deref(), Some("studio"));
 }
 
 #[test]

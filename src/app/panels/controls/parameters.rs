@@ -6,7 +6,8 @@ use crate::brdf::{ConvolutionRule, DiffuseRule, Material};
 use crate::filter::LevelChoice;
 use crate::filter::probes::MOST_PROBES;
 use crate::filter::vmf::{Alignment, Objective, Selection};
-use crate::lighting::Light;
+use crate::lighting::sky_harmonics::MOST_BANDS;
+use crate::lighting::{Light, Sky};
 use crate::normal_map::MapOptions;
 use crate::session::Session;
 
@@ -212,6 +213,34 @@ pub(super) const SWEEP_SPEED: Parameter = Parameter {
     unit: "°/s",
     decimals: 0,
     tooltip: "How fast the selected light turns around the surface while the sweep plays.",
+    ..PLAIN
+};
+pub(super) const SKY: &str = "Light from everywhere, for lobes as spherical harmonics (Han et al. 2007, section 8), for the \
+                              truth by samples of the sky and of the material.";
+pub(super) const SKY_FILE: &str = "A sky by latitude and longitude: Radiance HDR or OpenEXR, twice as wide as high.";
+pub(super) const SKY_ROTATION: Parameter = Parameter {
+    name: "Sky rotation",
+    range: [-180.0, 180.0],
+    unit: "°",
+    decimals: 1,
+    tooltip: "Turns the sky around the vertical.",
+    ..PLAIN
+};
+pub(super) const SKY_INTENSITY: Parameter = Parameter {
+    name: "Sky intensity",
+    range: [0.0, 20.0],
+    default: 1.0,
+    logarithmic: true,
+    tooltip: "Factor on the sky's radiance.",
+    ..PLAIN
+};
+pub(super) const SKY_BANDS: Parameter = Parameter {
+    name: "Sky bands l*",
+    range: [0.0, MOST_BANDS as f64],
+    default: Sky::LAST_BAND as f64,
+    decimals: 0,
+    tooltip: "The last band of the sky's specular light (Han et al. 2007, eq. 26): shiny materials need about \
+              sqrt(4 s). The truth has them all.",
     ..PLAIN
 };
 pub(super) const TILING_U: Parameter = Parameter {
