@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::export_view::ExportView;
+use super::exports::{ExportTarget, Exports};
 use super::figures_file::Target;
 use super::figures_report::FiguresReport;
 use super::history::History;
@@ -25,6 +27,8 @@ pub struct Desk<'a> {
     pub view: &'a mut ViewState,
     /// What was measured of it.
     pub figures: &'a mut FiguresReport,
+    /// What is being exported.
+    pub exports: &'a mut Exports,
     /// What it was before.
     pub history: &'a mut History,
     /// The window.
@@ -66,6 +70,8 @@ pub enum Command {
     CancelFigures,
     /// Save the figures along an axis; a picture shows the metric.
     SaveFigures(Axis, Metric, Target),
+    /// Write a file for other programs.
+    Export(ExportView, ExportTarget),
     /// Change what is seen, and nothing else.
     ChangeView(fn(&mut ViewState)),
     /// Go one step back.
@@ -87,7 +93,7 @@ pub enum Command {
 impl Command {
     /// Carries the request out.
     pub fn run(self, desk: Desk<'_>) {
-        let Desk { session, view, figures, history, ctx } = desk;
+        let Desk { session, view, figures, exports, history, ctx } = desk;
         match self {
             Self::Open(request) => session.open(request),
             Self::OpenDialog => session.open_dialog(),
@@ -108,6 +114,7 @@ impl Command {
             Self::MeasureFigures(sweep) => tell(figures.start(session, sweep), session),
             Self::CancelFigures => figures.cancel(),
             Self::SaveFigures(axis, metric, target) => tell(figures.save(axis, metric, target), session),
+            Self::Export(view, target) => tell(exports.start(session, &view, target), session),
             Self::ChangeView(change) => change(view),
             Self::Undo => step(History::undo, session, view, history),
             Self::Redo => step(History::redo, session, view, history),

@@ -10,14 +10,15 @@ use super::autosave::Autosave;
 use super::brdf_report::BrdfReport;
 use super::command::{Command, Desk};
 use super::document;
+use super::exports::Exports;
 use super::figures_report::FiguresReport;
 use super::history::History;
 use super::live_figures::{self, LiveFigures};
 use super::map_picture::MapTextures;
 use super::message_log::MessageLog;
 use super::panels::{
-    PanelContext, controls, figures_panel, key_list, log_panel, map_panel, palette, save_session, sphere_panel,
-    status_bar, surface_panel, toasts, top_bar,
+    PanelContext, controls, export_window, figures_panel, key_list, log_panel, map_panel, palette, save_session,
+    sphere_panel, status_bar, surface_panel, toasts, top_bar,
 };
 use super::texel_report::TexelReport;
 use super::theme;
@@ -50,6 +51,7 @@ pub struct Inspector {
     brdf: BrdfReport,
     trace: TraceReport,
     figures: FiguresReport,
+    exports: Exports,
     live_figures: LiveFigures,
     history: History,
     autosave: Autosave,
@@ -73,6 +75,7 @@ impl Inspector {
             session,
             view: ViewState::default(),
             figures: FiguresReport::new(surroundings.gpu.clone(), wake_of(ctx)),
+            exports: Exports::new(surroundings.gpu.clone(), wake_of(ctx)),
             history: History::default(),
             autosave: Autosave::default(),
             surroundings,
@@ -93,6 +96,7 @@ impl Inspector {
         self.session.poll();
         let mut news = Vec::new();
         self.figures.poll(&mut news);
+        self.exports.poll(&mut news);
         self.take_opened_view();
         news.extend(self.session.take_messages());
         self.messages.add(news);
@@ -115,6 +119,7 @@ impl Inspector {
         let fitting = session.fitting();
         let computing = fitting.is_running() || fitting.is_measuring() || session.is_building();
         let computing = computing || session.is_saving() || self.figures.is_running() || self.figures.is_saving();
+        let computing = computing || self.exports.is_writing();
         let gathering = self.report.is_gathering() || self.brdf.is_running() || self.trace.is_running();
         let opening = session.is_opening() || session.is_opening_sky();
         let busy = computing || gathering || opening || self.view.is_playing();
@@ -143,6 +148,7 @@ impl Inspector {
             brdf: &self.brdf,
             trace: &self.trace,
             figures: &self.figures,
+            exports: &mut self.exports,
             live_figures: &self.live_figures,
             history: &self.history,
             said: self.messages.said(),
@@ -174,8 +180,8 @@ impl Inspector {
 
     /// Carries a command out.
     pub fn run(&mut self, command: Command, ctx: &egui::Context) {
-        let Self { session, view, figures, history, .. } = self;
-        command.run(Desk { session, view, figures, history, ctx });
+        let Self { session, view, figures, exports, history, .. } = self;
+        command.run(Desk { session, view, figures, exports, history, ctx });
     }
 
     /// Takes the layout of a session that was opened.
@@ -242,6 +248,7 @@ fn lay_over(ctx: &egui::Context, context: &mut PanelContext<'_>) {
         Overlay::Keys => key_list::show(ctx, context),
         Overlay::Log => log_panel::show(ctx, context),
         Overlay::SaveSession => save_session::show(ctx, context),
+        Overlay::Export => export_window::show(ctx, context),
     }
 }
 

@@ -16,11 +16,14 @@
 //! | `texel_report` | what the selected texel holds, gathered once per change |
 //! | `brdf_report` | its effective BRDF, worked out in the background |
 //! | `trace_report` | how the selected texel's fit went, on demand |
+//! | `export_view` | what of exports is worth saving |
+//! | `exports` | what the window exports, written in the background |
 //! | `figures_report` | the sweeps of the open map, measured and saved in the background |
 //! | `figures_plot`, `figures_file` | a sweep as a plot; as CSV, JSON or PNG |
 //! | `live_figures` | figures of the methods on show, worked out in the background |
 //! | `dolly` | the camera that runs away and back |
 //! | `map_picture` | levels as pictures |
+//! | `surface_picture` | the lit surface as a picture, with its settings below it |
 //! | `viewport` | the bridge to the GPU: paint callbacks of surface and sphere |
 //! | `parameter` | sliders built from a parameter's description |
 //! | `theme` | colours, spacing, type |
@@ -32,6 +35,8 @@ pub mod brdf_report;
 pub mod command;
 pub mod document;
 pub mod dolly;
+pub mod export_view;
+pub mod exports;
 pub mod figures_file;
 pub mod figures_plot;
 pub mod figures_report;
@@ -43,6 +48,7 @@ pub mod map_picture;
 pub mod message_log;
 pub mod panels;
 pub mod parameter;
+pub mod surface_picture;
 pub mod texel_report;
 pub mod theme;
 pub mod trace_report;

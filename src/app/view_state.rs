@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::dolly::Dolly;
+use super::export_view::ExportView;
 use super::light_view::LightView;
 use crate::filter::{Method, Rival};
 use crate::gpu::passes::sphere::SphereLayers;
@@ -111,6 +112,8 @@ pub enum Overlay {
     Log,
     /// The question where the session is saved to.
     SaveSession,
+    /// What is exported, how and where to.
+    Export,
 }
 
 /// The search for an action.
@@ -143,6 +146,8 @@ pub struct ViewState {
     pub figures: FiguresView,
     /// The lights.
     pub light: LightView,
+    /// What is exported.
+    pub export: ExportView,
     /// How the sphere is turned.
     pub sphere_orbit: SphereOrbit,
     /// What the sphere shows.

@@ -8,10 +8,10 @@ use clap::Args;
 use super::look::LookArguments;
 use super::options::{FitArguments, MapArguments, wait_for_fit};
 use super::start::Start;
+use crate::app::surface_picture::{captioned, surface_picture};
 use crate::comparison::{MOST_METHODS, View};
 use crate::filter::{MethodChoice, Rival};
 use crate::gpu::context::Gpu;
-use crate::gpu::{FrameInput, render_to_rgba8};
 use crate::image_io::write_png_rgba8;
 use crate::scene::Camera;
 use crate::session::Session;
@@ -29,6 +29,9 @@ pub struct RenderCommand {
     /// Pixels across and down.
     #[arg(long, value_name = "WxH", default_value = "960x600")]
     pub size: PictureSize,
+    /// Write what is shown, and of what material, below the picture.
+    #[arg(long)]
+    pub caption: bool,
 }
 
 /// What a picture shows: a session file, and flags over it.
@@ -169,18 +172,11 @@ impl RenderCommand {
             session.begin(*session.fit_settings());
             wait_for_fit(&mut session)?;
         }
-        session.wait_for_channels();
-        let PictureSize(size) = self.size;
-        let input = FrameInput {
-            surface: &session.surface,
-            mip: session.mip(),
-            lobes: session.lobes(),
-            fold: session.fitting().fold(),
-            methods: session.shown_methods(),
-            arrangement: session.comparison.arrangement(false),
-            size,
-        };
-        let picture = render_to_rgba8(&gpu, &input, session.truth_samples)?;
-        Ok(write_png_rgba8(&self.output, size[0] as usize, size[1] as usize, &picture)?)
+        let mut picture = surface_picture(&gpu, &mut session, self.size.0)?;
+        if self.caption {
+            picture = captioned(&gpu, picture, &session)?;
+        }
+        let [width, height] = picture.size.map(|side| side as usize);
+        Ok(write_png_rgba8(&self.output, width, height, &picture.rgba)?)
     }
 }

@@ -39,7 +39,7 @@ pub const LEAST_NORMAL_Z: f64 = 0.05;
 pub const LEAST_HALF_Z: f64 = 0.02;
 
 /// Mean slopes and their second moments: `(m_x, m_y, E[b_x^2], E[b_y^2])`, then `E[b_x b_y]`.
-const CHANNELS: usize = 5;
+pub const CHANNELS: usize = 5;
 
 /// LEAN mapping.
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ fn build(source: &Source<'_>, _: Rival) -> Built {
 }
 
 /// The moments of one normal.
-fn encode(normal: Vec3, channels: &mut [f64]) {
+pub fn encode(normal: Vec3, channels: &mut [f64]) {
     let slope = slope(normal.as_dvec3());
     channels.copy_from_slice(&[slope.x, slope.y, slope.x * slope.x, slope.y * slope.y, slope.x * slope.y]);
 }

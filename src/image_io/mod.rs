@@ -13,7 +13,10 @@ mod write;
 
 pub use error::{ReadImageError, WriteImageError};
 pub use read::{MAX_FILE_BYTES, MAX_SIDE, decode_bytes, read, read_bytes};
-pub use write::{png_rgb8, write_bytes_atomically, write_png_rgb8, write_png_rgb16, write_png_rgba8};
+pub use write::{
+    png_rgb8, write_bytes_atomically, write_png_gray8, write_png_gray16, write_png_rgb8, write_png_rgb16,
+    write_png_rgba8,
+};
 
 /// The samples of an image, row by row from the top, the channels of a texel side by side.
 #[derive(Clone, Debug, PartialEq)]

@@ -28,6 +28,24 @@ pub fn write_png_rgb8(path: &Path, width: usize, height: usize, rgb: &[u8]) -> R
     write_bytes_atomically(path, &png)
 }
 
+/// Writes 8-bit grey as a PNG; `-` is standard output.
+///
+/// # Errors
+/// As [`write_png_rgba8`].
+pub fn write_png_gray8(path: &Path, width: usize, height: usize, gray: &[u8]) -> Result<(), WriteImageError> {
+    let png = encode(path, width, height, gray, (1, 1), ExtendedColorType::L8)?;
+    write_bytes_atomically(path, &png)
+}
+
+/// Writes 16-bit grey as a PNG; `-` is standard output.
+///
+/// # Errors
+/// As [`write_png_rgba8`].
+pub fn write_png_gray16(path: &Path, width: usize, height: usize, gray: &[u16]) -> Result<(), WriteImageError> {
+    let png = encode(path, width, height, bytemuck::cast_slice(gray), (1, 2), ExtendedColorType::L16)?;
+    write_bytes_atomically(path, &png)
+}
+
 /// Writes 16-bit red, green and blue as a PNG; `-` is standard output.
 ///
 /// # Errors

@@ -277,6 +277,15 @@ mod tests {
     }
 
     #[test]
+    fn a_fit_of_no_lobes_or_of_too_many_is_refused_with_the_reason() {
+        for lobes in ["0", "17", "99999"] {
+            let text = format!(r#"{{"fit": {{"lobes": {lobes}}}}}"#);
+            let error = SessionFile::parse("a.ndfi.json", text.as_bytes()).expect_err("refused").to_string();
+            assert!(error.contains(&format!("{lobes} lobes, not 1 to 16")), "{error}");
+        }
+    }
+
+    #[test]
     fn a_session_file_defaults_what_it_lacks_and_keeps_and_names_what_it_does_not_know() {
         let file = parse(r#"{"fit": {"lobes": 3, "pace": 2}, "future": {"x": 1}}"#);
         assert_eq!(file.fit.lobes, 3);

@@ -5,6 +5,7 @@ mod cli;
 mod color;
 mod compare;
 mod doctor;
+mod exports;
 mod fit;
 mod gpu;
 mod house;

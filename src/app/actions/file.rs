@@ -6,6 +6,7 @@ use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
 use crate::app::Command;
+use crate::app::view_state::Overlay;
 use crate::normal_map::MapSource;
 use crate::normal_map::procedural::SAMPLES;
 use crate::session::MapRequest;
@@ -29,6 +30,8 @@ pub fn actions() -> Vec<Action> {
         .after_rule(),
         Action::new(Menu::File, "save-session-as", "Save session as…", |_| Some(Command::AskSessionPath))
             .key(Modifiers::COMMAND | Modifiers::SHIFT, Key::S),
+        Action::of_view(Menu::File, "export", "Export…", |view| view.overlay = Overlay::Export)
+            .key(Modifiers::COMMAND, Key::E),
     ];
     actions.extend(SAMPLES.iter().map(|sample| {
         let name = sample.name;

@@ -1,6 +1,7 @@
 //! The panels, one file each. A panel reads the session, keeps its own view state, and pushes commands.
 
 pub mod controls;
+pub mod export_window;
 pub mod figures_panel;
 pub mod key_list;
 pub mod light_dome;
@@ -21,6 +22,7 @@ use egui::{Response, RichText, Ui};
 
 use super::actions::Facts;
 use super::brdf_report::BrdfReport;
+use super::exports::Exports;
 use super::figures_report::FiguresReport;
 use super::history::History;
 use super::inspector::Surroundings;
@@ -47,6 +49,8 @@ pub struct PanelContext<'a> {
     pub trace: &'a TraceReport,
     /// What was measured.
     pub figures: &'a FiguresReport,
+    /// What is being exported.
+    pub exports: &'a mut Exports,
     /// Figures of the methods on show.
     pub live_figures: &'a LiveFigures,
     /// What can be undone.

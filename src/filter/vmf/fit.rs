@@ -18,6 +18,7 @@ use super::{base_slots, between, first, grow, scanline, smooth, unaligned};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::StoredLobe;
+use crate::sphere::mixture::MAX_LOBES;
 use crate::sphere::vmf::KappaRule;
 
 /// How a map is fitted.
@@ -25,6 +26,7 @@ use crate::sphere::vmf::KappaRule;
 #[serde(default)]
 pub struct FitSettings {
     /// Lobes per texel J, `1..=16`: how many, or how many at most.
+    #[serde(deserialize_with = "lobe_count")]
     pub lobes: usize,
     /// Who decides how many of them a texel gets.
     pub selection: Selection,
@@ -40,6 +42,13 @@ pub struct FitSettings {
     pub kappa: KappaRule,
     /// How the objective `em` and the scanline alignments share normals between lobes.
     pub e_step: EStep,
+}
+
+/// Lobes per texel as a file has them; a number that no fit can have is refused.
+fn lobe_count<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<usize, D::Error> {
+    let lobes = usize::deserialize(deserializer)?;
+    let refused = || serde::de::Error::custom(format!("{lobes} lobes, not 1 to {MAX_LOBES}"));
+    (1..=MAX_LOBES).contains(&lobes).then_some(lobes).ok_or_else(refused)
 }
 
 impl Default for FitSettings {

@@ -3,6 +3,7 @@
 mod actions;
 mod behaviour;
 mod doctor;
+mod exports;
 mod live_figures;
 mod pictures;
 mod real;
