@@ -1,16 +1,12 @@
 //! The figures of a sweep as a plot, in the window and in a picture of its own.
 //!
-//! Each method has one colour, one marker and one kind of line, the same in every plot, so that it reads without
-//! colour too. The key stands right of the curves, in the order in which they end.
+//! Curves look as their methods do everywhere. The key stands right of them, in the order in which they end.
 
 use egui::{Align2, Color32, RichText, Ui, vec2};
-use egui_plot::{
-    FilledArea, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotUi,
-    Points, Text,
-};
+use egui_plot::{FilledArea, GridMark, HoverPosition, Plot, PlotBounds, PlotPoint, PlotUi, Text};
 
+use super::method_style::MethodStyle;
 use super::theme;
-use crate::color::LOBE_COLORS;
 use crate::filter::Method;
 use crate::measure::{Metric, SweepRun};
 
@@ -156,7 +152,7 @@ impl FiguresPlot {
         curves.sort_by(|a, b| b.last().total_cmp(&a.last()));
         for (row, curve) in curves.iter().enumerate() {
             let sample = |points: [f32; 2]| points.map(|point| [x(point), y(row)]).to_vec();
-            let style = Style::of(curve.method);
+            let style = MethodStyle::of(curve.method);
             plot.line(style.line("", sample([0.0, 30.0])).allow_hover(false));
             plot.points(style.points("", vec![[x(15.0), y(row)]]).allow_hover(false));
             plot.text(key_text(PlotPoint::new(x(36.0), y(row)), &curve.name));
@@ -182,50 +178,9 @@ impl Curve {
     }
 
     fn draw<'a>(&'a self, plot: &mut PlotUi<'a>) {
-        let style = Style::of(self.method);
+        let style = MethodStyle::of(self.method);
         plot.line(style.line(&self.name, self.points.clone()));
         plot.points(style.points(&self.name, self.points.clone()));
-    }
-}
-
-/// How a method's curve looks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Style {
-    color: Color32,
-    marker: MarkerShape,
-    line: LineStyle,
-}
-
-impl Style {
-    /// By the method's place among those that are offered; one that is not offered looks like the truth.
-    fn of(method: Method) -> Self {
-        const LINES: [LineStyle; 3] =
-            [LineStyle::Solid, LineStyle::Dashed { length: 9.0 }, LineStyle::Dotted { spacing: 5.0 }];
-        const MARKERS: [MarkerShape; 8] = [
-            MarkerShape::Circle,
-            MarkerShape::Square,
-            MarkerShape::Up,
-            MarkerShape::Cross,
-            MarkerShape::Diamond,
-            MarkerShape::Down,
-            MarkerShape::Plus,
-            MarkerShape::Asterisk,
-        ];
-        let place = Method::offered().position(|offered| offered == method).unwrap_or(0);
-        if method == Method::Truth || place == 0 {
-            return Self { color: theme::STRONG, marker: MarkerShape::Circle, line: LINES[1] };
-        }
-        let [r, g, b] = LOBE_COLORS[(place - 1) % LOBE_COLORS.len()];
-        let color = Color32::from_rgb(r, g, b);
-        Self { color, marker: MARKERS[(place - 1) % MARKERS.len()], line: LINES[(place - 1) % LINES.len()] }
-    }
-
-    fn line<'a>(self, name: &str, points: Vec<[f64; 2]>) -> Line<'a> {
-        Line::new(name, PlotPoints::from(points)).color(self.color).style(self.line).width(1.6)
-    }
-
-    fn points<'a>(self, name: &str, points: Vec<[f64; 2]>) -> Points<'a> {
-        Points::new(name, PlotPoints::from(points)).color(self.color).shape(self.marker).radius(4.0)
     }
 }
 
@@ -247,16 +202,6 @@ pub fn written(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn no_two_methods_look_alike() {
-        let styles: Vec<Style> = Method::offered().map(Style::of).collect();
-        for (index, style) in styles.iter().enumerate() {
-            let alike =
-                |other: &Style| other.color == style.color || (other.marker, other.line) == (style.marker, style.line);
-            assert!(!styles[..index].iter().any(alike), "{index}: {style:?}");
-        }
-    }
 
     #[test]
     fn a_value_is_written_as_it_was_given() {

@@ -7,14 +7,19 @@ use egui::{CentralPanel, Frame, Margin, Panel};
 
 use super::actions::{self, Facts};
 use super::autosave::Autosave;
-use super::brdf_report::BrdfReport;
+use super::brdf_report::{Asked, BrdfReport};
+use super::built_filters::BuiltFilters;
 use super::command::{Command, Desk};
+use super::disc_textures::DiscTextures;
 use super::document;
+use super::error_report::ErrorReport;
 use super::exports::Exports;
 use super::figures_report::FiguresReport;
 use super::history::History;
+use super::level_histogram::KeptHistogram;
 use super::live_figures::{self, LiveFigures};
 use super::map_picture::MapTextures;
+use super::map_shading::MapShading;
 use super::message_log::MessageLog;
 use super::panels::{
     PanelContext, controls, export_window, figures_panel, key_list, log_panel, map_panel, palette, save_session,
@@ -50,12 +55,15 @@ pub struct Inspector {
     report: TexelReport,
     brdf: BrdfReport,
     trace: TraceReport,
+    errors: ErrorReport,
     figures: FiguresReport,
     exports: Exports,
     live_figures: LiveFigures,
     history: History,
     autosave: Autosave,
     textures: MapTextures,
+    discs: DiscTextures,
+    histogram: KeptHistogram,
     messages: MessageLog,
     hover: Option<String>,
     wake: Wake,
@@ -71,6 +79,7 @@ impl Inspector {
     /// An inspector of a session whose jobs call `wake`. Dresses the context.
     pub fn new(ctx: &egui::Context, session: Session, surroundings: Surroundings) -> Self {
         theme::apply(ctx);
+        let filters = BuiltFilters::default();
         Self {
             session,
             view: ViewState::default(),
@@ -80,10 +89,13 @@ impl Inspector {
             autosave: Autosave::default(),
             surroundings,
             report: TexelReport::default(),
-            brdf: BrdfReport::default(),
+            brdf: BrdfReport::new(filters.clone()),
             trace: TraceReport::default(),
+            errors: ErrorReport::new(filters),
             live_figures: LiveFigures::default(),
             textures: MapTextures::default(),
+            discs: DiscTextures::default(),
+            histogram: KeptHistogram::default(),
             messages: MessageLog::default(),
             hover: None,
             wake: wake_of(ctx),
@@ -101,16 +113,24 @@ impl Inspector {
         news.extend(self.session.take_messages());
         self.messages.add(news);
         self.record(ctx);
-        self.report.update(&self.session, &self.wake);
-        self.brdf.update(&self.session, &self.wake);
-        self.trace.update(&self.session, self.view.show_trace, &self.wake);
         self.live_figures.update(self.live_task(), &self.wake);
         self.view.light.sweep(&mut self.session.surface.lights, ctx);
         self.view.dolly.run(&mut self.session.surface.camera, ctx);
-        if self.surroundings.live && self.session.fitting().is_running() {
-            // Jobs wake the window for each level; the bars in between move ten times a second.
+        self.follow_texels();
+        if self.surroundings.live && (self.session.fitting().is_running() || self.errors.is_running()) {
+            // Jobs wake the window for each level; the figures in between move ten times a second.
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
         }
+    }
+
+    /// Lets the reports on texels follow the session and what is shown of it.
+    fn follow_texels(&mut self) {
+        let (session, view) = (&self.session, &self.view);
+        let judged = ViewState::judged_of(&session.comparison, view.judged);
+        self.report.update(session, &self.wake);
+        self.brdf.update(session, Asked::new(view, &session.comparison), &self.wake);
+        self.trace.update(session, view.show_trace, &self.wake);
+        self.errors.update(session, judged, view.map.shading == MapShading::Error, &self.wake);
     }
 
     /// True when nothing is under way: no job, no upload, no unfinished picture.
@@ -122,7 +142,7 @@ impl Inspector {
         let computing = computing || self.exports.is_writing();
         let gathering = self.report.is_gathering() || self.brdf.is_running() || self.trace.is_running();
         let opening = session.is_opening() || session.is_opening_sky();
-        let busy = computing || gathering || opening || self.view.is_playing();
+        let busy = computing || gathering || self.errors.is_running() || opening || self.view.is_playing();
         let drawing = self.surroundings.target.status.get().wants_more;
         !busy && !drawing && self.live_figures.is_done(self.live_task().as_ref())
     }
@@ -147,12 +167,15 @@ impl Inspector {
             report: &self.report,
             brdf: &self.brdf,
             trace: &self.trace,
+            errors: &self.errors,
             figures: &self.figures,
             exports: &mut self.exports,
             live_figures: &self.live_figures,
             history: &self.history,
             said: self.messages.said(),
             textures: &mut self.textures,
+            discs: &mut self.discs,
+            histogram: &mut self.histogram,
             surroundings: &self.surroundings,
             hover: &mut hover,
         };

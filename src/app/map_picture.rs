@@ -1,14 +1,11 @@
 //! A level of the map as a picture: what part of it a view shows, and the colours of its texels.
 
-use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureId, TextureOptions, Vec2, pos2, vec2};
-use glam::Vec3;
+use egui::{ColorImage, Pos2, Rect, TextureHandle, TextureId, TextureOptions, Vec2, pos2, vec2};
 
-use super::view_state::{MapShading, MapView};
-use crate::color::{LOBE_COLORS, heat, linear_from_srgb, srgb8_from_linear};
-use crate::filter::vmf::{Fold, fold};
+use super::map_shading::MapShading;
+use super::texel_values::TexelValues;
+use super::view_state::MapView;
 use crate::normal_map::pyramid::Texel;
-use crate::session::Session;
-use crate::sphere::mixture::used;
 
 /// The largest zoom, in points per base texel.
 const MAX_POINTS_PER_TEXEL: f32 = 256.0;
@@ -23,11 +20,16 @@ pub struct MapProjection {
 }
 
 impl MapProjection {
-    /// The projection of a map of `size` base texels into `view`.
-    pub fn new(view: Rect, size: (usize, usize), map_view: &MapView) -> Self {
-        let size = vec2(size.0 as f32, size.1 as f32);
+    /// The projection of a picture of `size` base texels into `view`.
+    pub fn new(view: Rect, size: Vec2, map_view: &MapView) -> Self {
         let fitted = (view.width() / size.x).min(view.height() / size.y);
         Self { view, center: map_view.center.into(), extent: size * fitted * map_view.zoom }
+    }
+
+    /// The projection of a part of the picture, `0..1` across and down, into the same view.
+    pub fn part(&self, part: Rect) -> Self {
+        let center = (self.center - part.min.to_vec2()) / part.size();
+        Self { center, extent: self.extent * part.size(), ..*self }
     }
 
     /// Where a point of the map, `0..1` across and down, is shown.
@@ -60,8 +62,8 @@ impl MapProjection {
     }
 
     /// Zooms by `factor` around `position` and returns the view that shows it.
-    pub fn zoomed(&self, map_view: MapView, factor: f32, position: Pos2, size: (usize, usize)) -> MapView {
-        let most = MAX_POINTS_PER_TEXEL * size.0 as f32 / (self.extent.x / map_view.zoom);
+    pub fn zoomed(&self, map_view: MapView, factor: f32, position: Pos2, size: Vec2) -> MapView {
+        let most = MAX_POINTS_PER_TEXEL * size.x / (self.extent.x / map_view.zoom);
         let zoom = (map_view.zoom * factor).clamp(0.5, most.max(1.0));
         let held = self.uv(position);
         let center = held - (position - self.view.center()) / (self.extent * zoom / map_view.zoom);
@@ -82,14 +84,13 @@ fn clamped(center: Vec2) -> [f32; 2] {
 #[derive(Default)]
 pub struct MapTextures {
     thumbnails: Vec<Option<(PictureKey, TextureHandle)>>,
-    view: Option<(PictureKey, ViewKey, TextureHandle)>,
+    views: Vec<Option<(PictureKey, ViewKey, TextureHandle)>>,
 }
 
 /// What a level's picture depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct PictureKey {
-    map_revision: u64,
-    lobes_revision: u64,
+pub struct PictureKey {
+    revisions: [u64; 3],
     shading: MapShading,
     level: usize,
 }
@@ -97,33 +98,25 @@ struct PictureKey {
 type ViewKey = (MapProjection, Rect, [usize; 2]);
 
 impl PictureKey {
-    fn new(session: &Session, shading: MapShading, level: usize) -> Self {
-        let shows_lobes = matches!(shading, MapShading::Lobes | MapShading::Count);
-        let lobes = if shows_lobes { session.fitting().revision() } else { 0 };
-        Self { map_revision: session.map_revision(), lobes_revision: lobes, shading, level }
+    /// Of a level's values.
+    pub fn new(values: &TexelValues<'_>, level: usize) -> Self {
+        Self { revisions: values.revisions(), shading: values.shading(), level }
     }
 }
 
 impl MapTextures {
     /// A level, at most `side` pixels across and down.
-    pub fn thumbnail(
-        &mut self,
-        ctx: &egui::Context,
-        session: &Session,
-        shading: MapShading,
-        level: usize,
-        side: usize,
-    ) -> TextureId {
+    pub fn thumbnail(&mut self, ctx: &egui::Context, values: &TexelValues<'_>, level: usize, side: usize) -> TextureId {
         if self.thumbnails.len() <= level {
             self.thumbnails.resize_with(level + 1, || None);
         }
-        let key = PictureKey::new(session, shading, level);
+        let key = PictureKey::new(values, level);
         if let Some((made, texture)) = &self.thumbnails[level]
             && *made == key
         {
             return texture.id();
         }
-        let image = thumbnail(session, shading, level, side);
+        let image = thumbnail(values, level, side);
         let texture = ctx.load_texture(format!("level {level}"), image, TextureOptions::NEAREST);
         self.thumbnails[level].insert((key, texture)).1.id()
     }
@@ -132,33 +125,35 @@ impl MapTextures {
     pub fn view(
         &mut self,
         ctx: &egui::Context,
-        session: &Session,
-        (shading, level): (MapShading, usize),
+        values: &TexelValues<'_>,
+        level: usize,
         (projection, area, px): ViewKey,
     ) -> TextureId {
-        let key = PictureKey::new(session, shading, level);
-        if let Some((made, shown, texture)) = &self.view
+        if self.views.len() <= level {
+            self.views.resize_with(level + 1, || None);
+        }
+        let key = PictureKey::new(values, level);
+        if let Some((made, shown, texture)) = &self.views[level]
             && (*made, *shown) == (key, (projection, area, px))
         {
             return texture.id();
         }
-        let image = image(session, shading, level, &projection, area, px);
-        let texture = ctx.load_texture("map view", image, TextureOptions::NEAREST);
-        self.view.insert((key, (projection, area, px), texture)).2.id()
+        let image = image(values, level, &projection, area, px);
+        let texture = ctx.load_texture(format!("map view, level {level}"), image, TextureOptions::NEAREST);
+        self.views[level].insert((key, (projection, area, px), texture)).2.id()
     }
 }
 
 /// The part of a level that `projection` shows, a pixel per physical pixel of `area`, each the colour of the texel
 /// under its centre.
 pub fn image(
-    session: &Session,
-    shading: MapShading,
+    values: &TexelValues<'_>,
     level: usize,
     projection: &MapProjection,
     area: Rect,
     px: [usize; 2],
 ) -> ColorImage {
-    let (width, height) = session.map().level_sizes()[level];
+    let (width, height) = values.session().map().level_size(level);
     let index = |uv: f32, count: usize| ((uv * count as f32) as usize).min(count - 1);
     let step = vec2(area.width() / px[0] as f32, area.height() / px[1] as f32);
     let columns: Vec<usize> = (0..px[0])
@@ -166,80 +161,31 @@ pub fn image(
         .collect();
     let rows =
         (0..px[1]).map(|i| index(projection.uv(pos2(area.min.x, area.min.y + (i as f32 + 0.5) * step.y)).y, height));
-    let painter = TexelPainter::new(session, shading, level);
-    let pixels = rows.flat_map(|y| columns.iter().map(move |&x| (x, y))).map(|(x, y)| painter.color(x, y)).collect();
+    let (mut pixels, mut last) = (Vec::with_capacity(px[0] * px[1]), None);
+    for y in rows {
+        // A texel that many pixels show is asked once: rows repeat, and columns within a row.
+        if last == Some(y) {
+            pixels.extend_from_within(pixels.len() - px[0]..);
+            continue;
+        }
+        last = Some(y);
+        for (i, &x) in columns.iter().enumerate() {
+            let same = i > 0 && columns[i - 1] == x;
+            let before = pixels.last().copied().filter(|_| same);
+            pixels.push(before.unwrap_or_else(|| values.color(Texel { level, x, y })));
+        }
+    }
     ColorImage::new(px, pixels)
 }
 
 /// A whole level, shrunk to at most `side` pixels across and down.
-pub fn thumbnail(session: &Session, shading: MapShading, level: usize, side: usize) -> ColorImage {
-    let (width, height) = session.map().level_sizes()[level];
+pub fn thumbnail(values: &TexelValues<'_>, level: usize, side: usize) -> ColorImage {
+    let (width, height) = values.session().map().level_size(level);
     let shrink = (width.max(height)).div_ceil(side).max(1);
     let px = [(width / shrink).max(1), (height / shrink).max(1)];
-    let painter = TexelPainter::new(session, shading, level);
-    let pixels =
-        (0..px[0] * px[1]).map(|i| painter.color((i % px[0]) * width / px[0], (i / px[0]) * height / px[1])).collect();
+    let texel = |i: usize| Texel { level, x: (i % px[0]) * width / px[0], y: (i / px[0]) * height / px[1] };
+    let pixels = (0..px[0] * px[1]).map(|i| values.color(texel(i))).collect();
     ColorImage::new(px, pixels)
-}
-
-/// The colour of a texel that is not fitted.
-const MISSING: [u8; 3] = [24, 26, 31];
-
-/// Colours the texels of one level.
-struct TexelPainter<'a> {
-    session: &'a Session,
-    shading: MapShading,
-    level: usize,
-    width: usize,
-    fold: Fold,
-}
-
-impl<'a> TexelPainter<'a> {
-    fn new(session: &'a Session, shading: MapShading, level: usize) -> Self {
-        let width = session.map().level_sizes()[level].0;
-        Self { session, shading, level, width, fold: session.fitting().fold() }
-    }
-
-    fn color(&self, x: usize, y: usize) -> Color32 {
-        let mean = self.session.mip().levels[self.level][y * self.width + x];
-        let [r, g, b] = match self.shading {
-            MapShading::Normal => normal_color(mean),
-            MapShading::Length => heat(mean.length()),
-            MapShading::Lobes => self.lobe_color(x, y),
-            MapShading::Count => self.count_color(x, y),
-        };
-        Color32::from_rgb(r, g, b)
-    }
-
-    /// The number of lobes in use beside the most of any texel.
-    fn count_color(&self, x: usize, y: usize) -> [u8; 3] {
-        let lobes = self.session.lobes();
-        match lobes.level(self.level) {
-            Some(level) => heat(used(level.texel(x, y)) as f32 / lobes.lobes() as f32),
-            None if self.level == 0 => heat(1.0 / lobes.lobes() as f32),
-            None => MISSING,
-        }
-    }
-
-    /// The lobes' colours mixed by weight, in linear light.
-    fn lobe_color(&self, x: usize, y: usize) -> [u8; 3] {
-        let texel = Texel { level: self.level, x, y };
-        let Some(mixture) = fold::mixture(self.session.lobes(), self.fold, texel) else {
-            return MISSING;
-        };
-        let linear = |slot: usize| {
-            Vec3::from(LOBE_COLORS[slot % LOBE_COLORS.len()].map(|code| linear_from_srgb(f32::from(code) / 255.0)))
-        };
-        srgb8_from_linear(mixture.lobes.iter().map(|(slot, lobe)| lobe.weight as f32 * linear(*slot)).sum())
-    }
-}
-
-/// A normal as maps store it; a texel without one is black.
-fn normal_color(mean: Vec3) -> [u8; 3] {
-    match mean.try_normalize() {
-        Some(normal) => (127.5 * (normal + Vec3::ONE)).round().to_array().map(|code| code as u8),
-        None => [0, 0, 0],
-    }
 }
 
 #[cfg(test)]
@@ -247,7 +193,7 @@ mod tests {
     use super::*;
 
     fn projection(map_view: &MapView) -> MapProjection {
-        MapProjection::new(Rect::from_min_size(pos2(10.0, 20.0), vec2(400.0, 200.0)), (64, 32), map_view)
+        MapProjection::new(Rect::from_min_size(pos2(10.0, 20.0), vec2(400.0, 200.0)), vec2(64.0, 32.0), map_view)
     }
 
     #[test]
@@ -263,7 +209,16 @@ mod tests {
         let map_view = MapView::default();
         let position = pos2(150.0, 90.0);
         let before = projection(&map_view).uv(position);
-        let zoomed = projection(&map_view).zoomed(map_view, 2.5, position, (64, 32));
+        let zoomed = projection(&map_view).zoomed(map_view, 2.5, position, vec2(64.0, 32.0));
         assert!((projection(&zoomed).uv(position) - before).length() < 1e-5);
+    }
+    #[test]
+    fn a_part_is_shown_where_the_whole_has_it() {
+        let whole = projection(&MapView { zoom: 3.0, center: [0.4, 0.6], ..Default::default() });
+        let part = Rect::from_min_max(pos2(0.25, 0.5), pos2(0.75, 0.625));
+        for uv in [vec2(0.0, 0.0), vec2(1.0, 1.0), vec2(0.3, 0.9)] {
+            let in_whole = part.min.to_vec2() + uv * part.size();
+            assert!((whole.part(part).place(uv) - whole.place(in_whole)).length() < 1e-3, "{uv:?}");
+        }
     }
 }

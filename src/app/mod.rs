@@ -14,16 +14,22 @@
 //! | `light_view` | which light is selected, and its sweep |
 //! | `message_log` | sentences for the user, shown once and kept |
 //! | `texel_report` | what the selected texel holds, gathered once per change |
-//! | `brdf_report` | its effective BRDF, worked out in the background |
+//! | `brdf_report` | its effective BRDF, in truth and by methods, worked out in the background |
+//! | `error_report` | the error of a method in every texel, likewise |
+//! | `disc_textures` | effective BRDFs as pictures |
+//! | `built_filters` | what both keep of the methods they have built |
 //! | `trace_report` | how the selected texel's fit went, on demand |
 //! | `export_view` | what of exports is worth saving |
 //! | `exports` | what the window exports, written in the background |
 //! | `figures_report` | the sweeps of the open map, measured and saved in the background |
 //! | `figures_plot`, `figures_file` | a sweep as a plot; as CSV, JSON or PNG |
 //! | `live_figures` | figures of the methods on show, worked out in the background |
+//! | `method_style` | how a method's curve looks in any plot |
 //! | `dolly` | the camera that runs away and back |
 //! | `map_picture` | levels as pictures |
 //! | `surface_picture` | the lit surface as a picture, with its settings below it |
+//! | `map_picture`, `level_places`, `level_histogram` | levels as pictures; where they stand; how their numbers are spread |
+//! | `map_shading`, `texel_values`, `texel_scale` | what they show of texels, the values, the colours |
 //! | `viewport` | the bridge to the GPU: paint callbacks of surface and sphere |
 //! | `parameter` | sliders built from a parameter's description |
 //! | `theme` | colours, spacing, type |
@@ -32,9 +38,12 @@
 pub mod actions;
 pub mod autosave;
 pub mod brdf_report;
+pub mod built_filters;
 pub mod command;
+pub mod disc_textures;
 pub mod document;
 pub mod dolly;
+pub mod error_report;
 pub mod export_view;
 pub mod exports;
 pub mod figures_file;
@@ -42,14 +51,20 @@ pub mod figures_plot;
 pub mod figures_report;
 pub mod history;
 pub mod inspector;
+pub mod level_histogram;
+pub mod level_places;
 pub mod light_view;
 pub mod live_figures;
 pub mod map_picture;
+pub mod map_shading;
 pub mod message_log;
+pub mod method_style;
 pub mod panels;
 pub mod parameter;
 pub mod surface_picture;
 pub mod texel_report;
+pub mod texel_scale;
+pub mod texel_values;
 pub mod theme;
 pub mod trace_report;
 pub mod view_state;

@@ -159,7 +159,8 @@ pub fn combo<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choic
     explained_combo(ui, name, chosen, &choices)
 }
 
-fn explained_combo<T: Copy + PartialEq>(
+/// A drop-down without a label, each choice with a tooltip of its own.
+pub fn explained_combo<T: Copy + PartialEq>(
     ui: &mut Ui,
     name: &str,
     chosen: &mut T,

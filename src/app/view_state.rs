@@ -4,7 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::dolly::Dolly;
 use super::export_view::ExportView;
+use super::level_places::MapLevels;
 use super::light_view::LightView;
+use super::map_shading::MapShading;
+use crate::comparison::Comparison;
 use crate::filter::{Method, Rival};
 use crate::gpu::passes::sphere::SphereLayers;
 use crate::measure::{Axis, Metric};
@@ -32,42 +35,23 @@ impl Layout {
         [(Self::Surface, "Surface"), (Self::Split, "Split"), (Self::Map, "Map"), (Self::Figures, "Figures")];
 }
 
-/// What a level's picture shows of its texels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MapShading {
-    /// The mean normal, coloured as normal maps are.
-    #[default]
-    Normal,
-    /// The length of the mean normal: 1 where a footprint is flat.
-    Length,
-    /// The lobes' colours, mixed by their weights.
-    Lobes,
-    /// How many lobes a texel uses, from none to the most there are.
-    Count,
-}
-
-impl MapShading {
-    /// Every shading with its name, in the order they are offered.
-    pub const ALL: [(Self, &'static str); 4] =
-        [(Self::Normal, "Normal"), (Self::Length, "Length"), (Self::Lobes, "Lobes"), (Self::Count, "J")];
-}
-
 /// Where the map view looks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MapView {
-    /// The point of the map in the middle of the view, `0..1` across and down.
+    /// The point of the picture in the middle of the view, `0..1` across and down.
     pub center: [f32; 2],
-    /// Size over the size at which the whole map fits the view.
+    /// Size over the size at which the whole picture fits the view.
     pub zoom: f32,
+    /// Which levels are shown.
+    pub levels: MapLevels,
     /// What is shown of the texels.
     pub shading: MapShading,
 }
 
 impl Default for MapView {
     fn default() -> Self {
-        Self { center: [0.5, 0.5], zoom: 1.0, shading: MapShading::Normal }
+        Self { center: [0.5, 0.5], zoom: 1.0, levels: MapLevels::Selected, shading: MapShading::Normal }
     }
 }
 
@@ -166,6 +150,10 @@ pub struct ViewState {
     pub show_trace: bool,
     /// Whether all findings of the import doctor are shown, or the doubtful ones only.
     pub show_findings: bool,
+    /// Whether the selected texel's effective BRDF is shown.
+    pub show_brdf: bool,
+    /// The method whose effective BRDFs are held against the truth; without one, a method of the comparison.
+    pub judged: Option<Method>,
     /// The path that is being typed.
     #[serde(skip)]
     pub typed_path: String,
@@ -180,9 +168,38 @@ pub struct ViewState {
     pub palette: PaletteView,
 }
 
+impl MapView {
+    /// The whole picture of the same.
+    pub fn whole(self) -> Self {
+        Self { center: [0.5, 0.5], zoom: 1.0, ..self }
+    }
+}
+
 impl ViewState {
     /// True while a light or the camera moves by itself.
     pub fn is_playing(&self) -> bool {
         self.light.is_sweeping || self.dolly.is_playing
+    }
+
+    /// The method that is held against the truth: the `chosen` one, else the right or the left one of the comparison,
+    /// whichever is not the truth itself.
+    pub fn judged_of(comparison: &Comparison, chosen: Option<Method>) -> Method {
+        let compared = [comparison.right, comparison.left].into_iter().find(|method| *method != Method::Truth);
+        chosen.or(compared).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_truth_is_not_held_against_itself() {
+        let between = |left, right| Comparison { left, right, ..Comparison::default() };
+        let judged = |left, right| ViewState::judged_of(&between(left, right), None);
+        assert_eq!(judged(Method::MIP, Method::Vmf), Method::Vmf);
+        assert_eq!(judged(Method::MIP, Method::Truth), Method::MIP);
+        assert_eq!(judged(Method::Truth, Method::Truth), Method::Vmf);
+        assert_eq!(ViewState::judged_of(&Comparison::default(), Some(Method::MIP)), Method::MIP);
     }
 }

@@ -4,6 +4,7 @@
 //! `rho_eff(w) = sum_q weight_q f(n_q . w)`, and shades a surface point with it.
 
 pub mod brdf_error;
+pub mod brdf_shape;
 pub mod channels;
 pub mod footprint_brdf;
 pub mod gmm;
@@ -19,6 +20,7 @@ pub mod sky_light;
 pub mod toksvig;
 pub mod truth;
 pub mod vmf;
+pub mod worst_texels;
 
 use glam::{DVec3, Vec2, Vec3};
 

@@ -6,6 +6,7 @@ mod edit;
 mod file;
 mod help;
 mod methods;
+mod texels;
 mod view;
 
 use std::sync::LazyLock;
@@ -140,15 +141,17 @@ pub fn find(name: &str) -> Option<&'static Action> {
     all().iter().find(|action| action.name == name)
 }
 
-/// What the keys pressed in this pass ask for. While text is edited, its own keys are left to it; under an overlay,
-/// all are.
+/// What the keys pressed in this pass ask for. While text is edited, its own keys are left to it, and those that move
+/// about to whatever has the focus; under an overlay, all are.
 pub fn pressed(ctx: &Context, facts: &Facts<'_>) -> Vec<Command> {
     if facts.view.overlay != Overlay::None {
         return Vec::new();
     }
     let typing = ctx.text_edit_focused();
+    let focused = ctx.memory(|memory| memory.focused()).is_some();
     let is_pressed = |action: &&Action| {
-        let keys = action.keys.iter().filter(|key| !(typing && belongs_to_text(key)));
+        let taken = |key: &KeyboardShortcut| typing && belongs_to_text(key) || focused && moves_about(key.logical_key);
+        let keys = action.keys.iter().filter(|key| !taken(key));
         // Every key is asked, for each is taken away from the rest of the window.
         keys.filter(|key| consume(ctx, key, action.repeats)).count() > 0
     };
@@ -170,6 +173,11 @@ fn makes_sign(key: Key) -> bool {
 fn belongs_to_text(key: &KeyboardShortcut) -> bool {
     let undoes = key.modifiers.command && matches!(key.logical_key, Key::Z | Key::Y);
     undoes || !key.modifiers.command && !is_function_key(key.logical_key)
+}
+
+fn moves_about(key: Key) -> bool {
+    use Key::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp, PageDown, PageUp};
+    matches!(key, ArrowLeft | ArrowRight | ArrowUp | ArrowDown | PageUp | PageDown)
 }
 
 fn is_function_key(key: Key) -> bool {

@@ -3,9 +3,10 @@
 use egui::{Key, Modifiers};
 
 use super::methods::change;
+use super::texels;
 use super::{Action, Facts, Menu};
 use crate::app::Command;
-use crate::app::view_state::{Layout, MapShading, MapView, ViewState};
+use crate::app::view_state::{Layout, ViewState};
 use crate::comparison::View;
 use crate::lit_surface::LitSurface;
 use crate::scene::{Camera, SphereOrbit};
@@ -16,7 +17,7 @@ const ZOOM_STEP: f32 = 1.25;
 const ZOOMS: [f32; 2] = [0.25, 256.0];
 
 pub fn actions() -> Vec<Action> {
-    [layouts(), views(), zoom(), exposure(), map(), sphere(), resets()].into_iter().flatten().collect()
+    [layouts(), views(), zoom(), exposure(), texels::actions(), sphere(), resets()].into_iter().flatten().collect()
 }
 
 fn of_view(name: &str, label: &str, change: fn(&mut ViewState)) -> Action {
@@ -55,7 +56,7 @@ fn zoom() -> Vec<Action> {
         Action::new(Menu::View, "fit-view", "Fit in view", |facts| {
             if facts.view.layout == Layout::Map {
                 return Some(Command::ChangeView(|view| {
-                    view.map = MapView { shading: view.map.shading, ..MapView::default() };
+                    view.map = view.map.whole();
                 }));
             }
             surface(facts, |surface| surface.camera.distance = Camera::default().distance)
@@ -111,16 +112,6 @@ fn exposure() -> Vec<Action> {
             surface(facts, |surface| surface.exposure_stops = 0.0)
         })
         .key(Modifiers::NONE, Key::Num0),
-    ]
-}
-
-fn map() -> Vec<Action> {
-    let texels = |name, label, change| of_view(name, label, change).inside("Texels as");
-    vec![
-        texels("texels-normal", "Normal", |view| view.map.shading = MapShading::Normal),
-        texels("texels-length", "Length", |view| view.map.shading = MapShading::Length),
-        texels("texels-lobes", "Lobes", |view| view.map.shading = MapShading::Lobes),
-        texels("texels-count", "J", |view| view.map.shading = MapShading::Count),
     ]
 }
 

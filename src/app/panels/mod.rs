@@ -1,8 +1,10 @@
 //! The panels, one file each. A panel reads the session, keeps its own view state, and pushes commands.
 
+pub mod brdf_section;
 pub mod controls;
 pub mod export_window;
 pub mod figures_panel;
+pub mod judged_method;
 pub mod key_list;
 pub mod light_dome;
 pub mod lobe_table;
@@ -10,6 +12,8 @@ pub mod log_panel;
 pub mod map_panel;
 pub mod palette;
 pub mod save_session;
+pub mod scale_bar;
+pub mod small_plot;
 pub mod sphere_panel;
 pub mod status_bar;
 pub mod surface_overlay;
@@ -22,10 +26,13 @@ use egui::{Response, RichText, Ui};
 
 use super::actions::Facts;
 use super::brdf_report::BrdfReport;
+use super::disc_textures::DiscTextures;
+use super::error_report::ErrorReport;
 use super::exports::Exports;
 use super::figures_report::FiguresReport;
 use super::history::History;
 use super::inspector::Surroundings;
+use super::level_histogram::KeptHistogram;
 use super::live_figures::LiveFigures;
 use super::map_picture::MapTextures;
 use super::texel_report::TexelReport;
@@ -47,6 +54,8 @@ pub struct PanelContext<'a> {
     pub brdf: &'a BrdfReport,
     /// How its fit went.
     pub trace: &'a TraceReport,
+    /// How far a method is from the truth in every texel.
+    pub errors: &'a ErrorReport,
     /// What was measured.
     pub figures: &'a FiguresReport,
     /// What is being exported.
@@ -59,6 +68,10 @@ pub struct PanelContext<'a> {
     pub said: &'a [Message],
     /// Levels as textures.
     pub textures: &'a mut MapTextures,
+    /// Effective BRDFs as textures.
+    pub discs: &'a mut DiscTextures,
+    /// How a level's numbers are spread.
+    pub histogram: &'a mut KeptHistogram,
     /// Where all this is shown.
     pub surroundings: &'a Surroundings,
     /// What lies under the pointer, for the status bar.

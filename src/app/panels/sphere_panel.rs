@@ -1,9 +1,10 @@
 //! The selected texel on the sphere of directions, and in numbers.
 
-use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, ScrollArea, Sense, Ui, Vec2, pos2, vec2};
+use egui::{Align2, FontId, Pos2, Rect, Response, RichText, ScrollArea, Sense, Ui, Vec2, vec2};
 use glam::{DVec2, DVec3};
 
-use super::{PanelContext, lobe_table, segmented, toggle, trace_plot};
+use super::scale_bar::gradient;
+use super::{PanelContext, brdf_section, lobe_table, segmented, toggle, trace_plot};
 use crate::app::theme;
 use crate::app::viewport::SpherePaint;
 use crate::color::heat;
@@ -25,6 +26,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         scale_bar(ui, context);
         ui.label(RichText::new(reading).small().monospace().color(theme::WEAK));
         numbers(ui, context);
+        brdf_section::show(ui, context);
         trace_plot::show(ui, context);
     });
 }
@@ -131,19 +133,7 @@ fn layers(ui: &mut Ui, context: &mut PanelContext<'_>) {
 fn scale_bar(ui: &mut Ui, context: &PanelContext<'_>) {
     let Some(data) = context.report.data() else { return };
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 8.0), Sense::hover());
-    let mut mesh = egui::Mesh::default();
-    for i in 0..=32_u32 {
-        let t = i as f32 / 32.0;
-        let [r, g, b] = heat(t);
-        let x = rect.left() + t * rect.width();
-        mesh.colored_vertex(pos2(x, rect.top()), Color32::from_rgb(r, g, b));
-        mesh.colored_vertex(pos2(x, rect.bottom()), Color32::from_rgb(r, g, b));
-        if i > 0 {
-            mesh.add_triangle(2 * i - 2, 2 * i - 1, 2 * i);
-            mesh.add_triangle(2 * i - 1, 2 * i, 2 * i + 1);
-        }
-    }
-    ui.painter().add(mesh);
+    gradient(ui.painter(), rect, heat);
     let peak = f64::from(data.picture.peak);
     let low = if context.view.sphere_layers.logarithmic { peak / 10f64.powf(f64::from(LOG_DECADES)) } else { 0.0 };
     ui.horizontal(|ui| {

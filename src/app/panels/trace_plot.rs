@@ -1,9 +1,9 @@
 //! The trace of the selected texel's fit: log-likelihood over iterations, and what became of its lobes.
 
 use egui::{RichText, Ui};
-use egui_plot::{Line, Plot, PlotPoints};
+use egui_plot::{Line, PlotPoints};
 
-use super::{PanelContext, toggle};
+use super::{PanelContext, small_plot, toggle};
 use crate::app::theme;
 use crate::color::LOBE_COLORS;
 use crate::filter::vmf::trace::Trace;
@@ -28,23 +28,17 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
 fn plot(ui: &mut Ui, trace: &Trace) {
     let Trace { iterations, retired, capped, .. } = trace;
     weak(ui, &format!("iterations {iterations} · empty slots {retired} · capped lobes {capped}"));
-    Plot::new("trace")
-        .height(HEIGHT)
-        .allow_scroll(false)
-        .allow_zoom(false)
-        .allow_drag(false)
-        .x_axis_label(RichText::new("iteration").small())
-        .y_axis_label(RichText::new("mean ln density").small())
-        .show(ui, |plot| {
-            let mut first = 0;
-            for (run, color) in trace.runs.iter().zip(LOBE_COLORS.iter().cycle()) {
-                let values = run.log_likelihood.iter().enumerate();
-                let points: PlotPoints<'_> = values.map(|(i, &value)| [(first + i) as f64, value]).collect();
-                let [r, g, b] = *color;
-                plot.line(Line::new(run.name, points).color(egui::Color32::from_rgb(r, g, b)).width(1.5));
-                first += run.log_likelihood.len().saturating_sub(1);
-            }
-        });
+    let axes = (small_plot::x_axis("iteration"), small_plot::y_axis("mean ln density"));
+    small_plot::new("trace", HEIGHT, axes.0, axes.1).show(ui, |plot| {
+        let mut first = 0;
+        for (run, color) in trace.runs.iter().zip(LOBE_COLORS.iter().cycle()) {
+            let values = run.log_likelihood.iter().enumerate();
+            let points: PlotPoints<'_> = values.map(|(i, &value)| [(first + i) as f64, value]).collect();
+            let [r, g, b] = *color;
+            plot.line(Line::new(run.name, points).color(egui::Color32::from_rgb(r, g, b)).width(1.5));
+            first += run.log_likelihood.len().saturating_sub(1);
+        }
+    });
 }
 
 fn weak(ui: &mut Ui, text: &str) {

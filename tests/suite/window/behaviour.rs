@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use egui::{PointerButton, ViewportId, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use ndf_inspector::app::map_shading::MapShading;
 use ndf_inspector::app::view_state::{Layout, Overlay};
 use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::comparison::View;
@@ -49,6 +50,9 @@ pub(super) fn names(window: &Window) -> BTreeMap<String, usize> {
 #[test]
 fn every_control_has_a_name_of_its_own() {
     let mut window = window(fitted("pyramid5", 64));
+    let view = &mut window.state_mut().inspector.view;
+    (view.show_brdf, view.map.shading) = (true, MapShading::Error);
+    settle(&mut window);
     let views = View::ALL.map(|(view, _)| (Layout::Surface, view, Overlay::None));
     let layouts = Layout::ALL.map(|(layout, _)| (layout, View::Wipe, Overlay::None));
     let overlays = [Overlay::Palette, Overlay::Keys, Overlay::SaveSession, Overlay::Log];

@@ -3,7 +3,8 @@
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, image_snapshot_options};
 use image::RgbaImage;
-use ndf_inspector::app::view_state::{Layout, MapShading, MapView};
+use ndf_inspector::app::map_shading::MapShading;
+use ndf_inspector::app::view_state::{Layout, MapView};
 use ndf_inspector::comparison::{Comparison, Difference, DifferenceKind, View};
 use ndf_inspector::filter::Method;
 use ndf_inspector::gpu::Gpu;
@@ -82,8 +83,8 @@ fn the_sphere_from_above_and_from_the_side() {
 fn the_map_zoomed_by_normals_and_by_lobes() {
     let mut window = window(fitted("pyramid5", 64));
     window.state_mut().inspector.view.layout = Layout::Map;
-    window.state_mut().inspector.session.select("2,5,6".parse().expect("a texel"));
-    window.state_mut().inspector.view.map = MapView { center: [0.3, 0.4], zoom: 1.6, shading: MapShading::Normal };
+    window.state_mut().inspector.session.select("1,11,13".parse().expect("a texel"));
+    window.state_mut().inspector.view.map = MapView { center: [0.3, 0.4], zoom: 1.6, ..MapView::default() };
     compare(&part(&mut window, "Map view"), "map_normals");
     window.state_mut().inspector.view.map = MapView { shading: MapShading::Lobes, ..MapView::default() };
     compare(&part(&mut window, "Map view"), "map_lobes");
@@ -100,6 +101,30 @@ fn the_texel_in_numbers_with_the_trace_of_its_fit() {
     let (left, top) = (sphere.left() as u32, sphere.bottom() as u32);
     let picture = image::imageops::crop_imm(&whole, left, top, 1280 - left, 768 - top).to_image();
     compare(&picture, "texel_numbers");
+}
+
+#[test]
+fn the_map_by_error_with_its_numbers() {
+    let mut window = window(fitted("scales", 64));
+    window.state_mut().inspector.view.layout = Layout::Map;
+    window.state_mut().inspector.session.select("3,2,5".parse().expect("a texel"));
+    window.state_mut().inspector.view.map.shading = MapShading::Error;
+    compare(&part(&mut window, "Map view"), "map_errors");
+}
+
+#[test]
+fn the_texels_effective_brdf_by_truth_and_method() {
+    let mut window = window(fitted("pyramid5", 64));
+    window.state_mut().inspector.session.select("4,1,2".parse().expect("a texel"));
+    window.state_mut().inspector.view.show_brdf = true;
+    // The section lies below what a window of this height shows.
+    window.set_size(egui::vec2(1280.0, 1280.0));
+    settle(&mut window);
+    let whole = window.render().expect("a picture");
+    let switch = window.get_by_label("Effective BRDF").rect();
+    let (left, top) = (switch.left() as u32, switch.top() as u32);
+    let picture = image::imageops::crop_imm(&whole, left, top, 1280 - left, 480).to_image();
+    compare(&picture, "texel_brdf");
 }
 
 #[test]
