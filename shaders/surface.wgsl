@@ -11,7 +11,7 @@ struct Frame {
     specular: f32,
     diffuse_color: vec3f,
     diffuse: f32,
-    tiling: vec2f,
+    uv_from_surface: mat2x2f,
     base_size: vec2f,
     vmf_lods: vec2f,
     base_level: f32,
@@ -26,7 +26,6 @@ struct Frame {
     most_probes: u32,
     fixed_level: f32,
     light_count: u32,
-    padding: vec2u,
     fold: array<vec4u, 4>,
     lights: array<Light, 8>,
 }
@@ -50,6 +49,8 @@ override SKY: bool = false;
 const EMPTY_WEIGHT: f32 = 1e-7;
 // Slots at most (sphere/mixture.rs).
 const MAX_LOBES: u32 = 16u;
+// A derivative's length counts as this at least (scene/mesh.rs).
+const LEAST_LENGTH: f32 = 1e-6;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 // Exact convolutions, a layer per exponent; empty where no rule asks for them.
@@ -71,26 +72,49 @@ const MAX_LOBES: u32 = 16u;
 
 struct Corner {
     @location(0) position_in_world: vec3f,
-    @location(1) tangent_in_world: vec3f,
-    @location(2) normal_in_world: vec3f,
-    @location(3) uv: vec2f,
+    @location(1) normal_in_world: vec3f,
+    // Derivatives by u and, up the image, by v: a unit vector and its length.
+    @location(2) along_u: vec4f,
+    @location(3) along_t: vec4f,
+    @location(4) uv: vec2f,
 }
 
 struct Point {
     @builtin(position) position: vec4f,
     @location(0) position_in_world: vec3f,
     @location(1) tangent_in_world: vec3f,
-    @location(2) normal_in_world: vec3f,
-    @location(3) uv: vec2f,
+    @location(2) bitangent_in_world: vec3f,
+    @location(3) normal_in_world: vec3f,
+    @location(4) uv: vec2f,
     // Depth along the view. The built-in position's fourth component is its inverse on some backends only.
-    @location(4) w: f32,
+    @location(5) w: f32,
 }
 
 @vertex
 fn vertex(corner: Corner) -> Point {
     let position = frame.clip_from_world * vec4f(corner.position_in_world, 1.0);
-    let uv = corner.uv * frame.tiling;
-    return Point(position, corner.position_in_world, corner.tangent_in_world, corner.normal_in_world, uv, position.w);
+    let tangents = tangents_of(corner);
+    return Point(
+        position,
+        corner.position_in_world,
+        tangents[0],
+        tangents[1],
+        corner.normal_in_world,
+        frame.uv_from_surface * corner.uv,
+        position.w,
+    );
+}
+
+// The map's rows and columns at a vertex: the twin of Vertex::tangents (scene/mesh.rs).
+fn tangents_of(corner: Corner) -> array<vec3f, 2> {
+    let along_u = corner.along_u.xyz * max(corner.along_u.w, LEAST_LENGTH);
+    let along_t = corner.along_t.xyz * max(corner.along_t.w, LEAST_LENGTH);
+    let m = frame.uv_from_surface;
+    let orientation = select(1.0, -1.0, determinant(m) < 0.0);
+    return array<vec3f, 2>(
+        normalize_or_zero(orientation * (m[1].y * along_u + m[0].y * along_t)),
+        normalize_or_zero(orientation * (m[1].x * along_u + m[0].x * along_t)),
+    );
 }
 
 fn material() -> Material {
@@ -152,7 +176,10 @@ fn incident_light(point: Point, index: u32) -> Incident {
 fn world_from_tangent(point: Point) -> mat3x3f {
     let normal = normalize_or_zero(point.normal_in_world);
     let tangent = normalize_or_zero(point.tangent_in_world - normal * dot(normal, point.tangent_in_world));
-    return mat3x3f(tangent, cross(normal, tangent), normal);
+    // A mirrored map makes a left-handed frame.
+    let across = cross(normal, tangent);
+    let bitangent = select(across, -across, dot(across, point.bitangent_in_world) < 0.0);
+    return mat3x3f(tangent, bitangent, normal);
 }
 
 fn local_light(point: Point, light_in_world: vec3f) -> LocalLight {

@@ -1,13 +1,15 @@
 //! The lit surface as values: what is drawn, from where, under which light. The GPU frame and the CPU twin read the
 //! same ones.
 
+use std::sync::Arc;
+
 use glam::{Mat3, Vec2, Vec3};
 
 use crate::brdf::Material;
 use crate::filter::probes::MOST_PROBES;
 use crate::filter::{Filter, LevelChoice, LevelRule, LocalLight, LocalSky, Lookup, PixelFootprint, Probes};
 use crate::lighting::{Light, Lights, Sky};
-use crate::scene::{Camera, Shape};
+use crate::scene::{Camera, Model, Shape};
 
 /// Everything the picture of the surface depends on, save the map and the method.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -53,6 +55,12 @@ impl LitSurface {
         LevelRule { choice: self.level, most_probes: self.anisotropy.clamp(1, MOST_PROBES) }
     }
 
+    /// Puts the map on a mesh once over, in the mesh's own colour where its file gives one.
+    pub fn wear_on(&mut self, model: Arc<Model>) {
+        self.material.diffuse_color = model.base_color.unwrap_or(self.material.diffuse_color);
+        self.shape = Shape { tiling: [1.0, 1.0], ..Shape::of_model(model) };
+    }
+
     /// The factor that exposure puts on linear colour.
     pub fn exposure(&self) -> f32 {
         self.exposure_stops.exp2()
@@ -66,7 +74,7 @@ pub struct SurfacePoint {
     pub position_in_world: Vec3,
     /// Unit tangent, along growing u.
     pub tangent_in_world: Vec3,
-    /// Unit bitangent, up the image, along falling v.
+    /// Unit bitangent, up the image, along falling v; left-handed where the map is mirrored.
     pub bitangent_in_world: Vec3,
     /// Unit geometric normal.
     pub normal_in_world: Vec3,

@@ -8,6 +8,7 @@
 pub mod file;
 pub mod fitting;
 pub mod kept;
+pub mod mesh_opening;
 pub mod opening;
 pub mod recent;
 pub mod rivals;
@@ -29,6 +30,7 @@ use crate::lit_surface::LitSurface;
 use crate::normal_map::pyramid::Texel;
 use crate::normal_map::{Diagnosis, MapOptions, MapSource, NormalMap, procedural};
 use fitting::Fitting;
+use mesh_opening::MeshOpening;
 pub use opening::{MapRequest, OpenedMap};
 use opening::{Opening, Prepared};
 
@@ -81,6 +83,7 @@ pub struct Session {
     fitting: Fitting,
     opening: Opening,
     sky_opening: sky::SkyOpening,
+    mesh_opening: MeshOpening,
     rivals: rivals::Rivals,
     recent: recent::RecentFiles,
     saving: saving::Saving,
@@ -127,6 +130,7 @@ impl Session {
             fitting,
             opening: Opening::default(),
             sky_opening: sky::SkyOpening::default(),
+            mesh_opening: MeshOpening::default(),
             rivals: rivals::Rivals::default(),
             recent: recent::RecentFiles::default(),
             saving: saving::Saving::default(),
@@ -286,6 +290,20 @@ impl Session {
         }
     }
 
+    /// Opens a mesh in the background; the surface stays as it is until the mesh is read.
+    pub fn open_mesh(&mut self, path: PathBuf) {
+        if let Err(message) = self.mesh_opening.start(path, &self.wake) {
+            self.report(Message::error(message));
+        }
+    }
+
+    /// Asks for a mesh in the system's dialog, off the window's thread, then opens it.
+    pub fn open_mesh_dialog(&mut self) {
+        if let Err(message) = self.mesh_opening.start_dialog(&self.wake) {
+            self.report(Message::error(message));
+        }
+    }
+
     /// How another map is read: by the conventions of the open one, which tend to come together, but as normals.
     pub fn options_for_another_map(&self) -> MapOptions {
         let MapOptions { green, addressing, color, .. } = self.map.options.clone();
@@ -300,9 +318,9 @@ impl Session {
         }
     }
 
-    /// True while a map is being read or asked for.
+    /// True while a map or a mesh is being read or asked for.
     pub fn is_opening(&self) -> bool {
-        self.opening.is_running()
+        self.opening.is_running() || self.mesh_opening.is_running()
     }
 
     /// Maps opened lately, the latest first.
@@ -399,6 +417,7 @@ impl Session {
             self.adopt(prepared);
         }
         changed |= self.poll_sky();
+        changed |= self.poll_mesh();
         changed |= self.fitting.poll(&mut messages);
         self.fitting.measure(&self.wake);
         let mip = || Arc::clone(self.mip.get_or_init(|| Arc::new(PlainMip::new(Arc::clone(&self.map)))));
@@ -407,6 +426,24 @@ impl Session {
             self.report(Message::error(text));
         }
         changed
+    }
+
+    /// Takes a mesh that was read, and opens the map that it brings; true if there was news.
+    fn poll_mesh(&mut self) -> bool {
+        match self.mesh_opening.poll() {
+            None => return false,
+            Some(Err(message)) => self.report(message),
+            Some(Ok(model)) => {
+                for warning in &model.warnings {
+                    self.report(Message::remark(format!("'{}': {warning}.", model.name())));
+                }
+                if model.has_normal_map {
+                    self.open(MapRequest::File { path: model.path.clone(), options: MapOptions::default() });
+                }
+                self.surface.wear_on(Arc::new(model));
+            }
+        }
+        true
     }
 
     /// Takes a map that was read, its fit or a new one, and the settings of its session file.

@@ -44,6 +44,10 @@ pub enum Command {
     OpenDialog,
     /// Open the file at a typed path, read as the open map is.
     OpenPath(PathBuf),
+    /// Open a mesh as the surface.
+    OpenMesh(PathBuf),
+    /// Ask for a mesh, then open it.
+    OpenMeshDialog,
     /// Read the open map anew, another way.
     Reopen(MapOptions),
     /// Fit with other settings.
@@ -101,6 +105,8 @@ impl Command {
                 let options = session.options_for_another_map();
                 session.open(MapRequest::File { path, options });
             }
+            Self::OpenMesh(path) => session.open_mesh(path),
+            Self::OpenMeshDialog => session.open_mesh_dialog(),
             Self::Reopen(options) => session.reopen(options),
             Self::SetFit(settings) => session.set_fit_settings(settings),
             Self::Refit => session.refit(),

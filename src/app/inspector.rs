@@ -32,6 +32,7 @@ use super::view_state::{Layout, Overlay, ViewState};
 use super::viewport::PaintTarget;
 use crate::gpu::Gpu;
 use crate::jobs::Wake;
+use crate::scene::import;
 use crate::session::{MapRequest, Message, Session};
 
 /// What an inspector is told about where it is shown.
@@ -241,6 +242,10 @@ impl Inspector {
         let Some(file) = ctx.input(|input| input.raw.dropped_files.last().cloned()) else { return };
         let options = self.session.options_for_another_map();
         let path = file.path().to_owned();
+        if import::is_mesh_path(&path) {
+            self.session.open_mesh(path);
+            return;
+        }
         if path.is_absolute() {
             self.session.open(MapRequest::File { path, options });
             return;

@@ -137,7 +137,7 @@ pub struct ViewState {
     /// What the sphere shows.
     pub sphere_layers: SphereLayers,
     /// Which repeat of the map carries the selected texel's outline on the surface, counted across and down.
-    pub pinned_repeat: [u32; 2],
+    pub pinned_repeat: [i32; 2],
     /// Whether the methods' figures are hidden; the truth is then drawn only where it is seen.
     pub hides_figures: bool,
     /// The region whose figures are shown.
@@ -157,6 +157,9 @@ pub struct ViewState {
     /// The path that is being typed.
     #[serde(skip)]
     pub typed_path: String,
+    /// The path of a mesh that is being typed.
+    #[serde(skip)]
+    pub typed_mesh_path: String,
     /// The path of a session that is being typed.
     #[serde(skip)]
     pub session_path: String,

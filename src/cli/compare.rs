@@ -174,8 +174,9 @@ impl CompareCommand {
 
     fn session_of(&self, map: Option<&Path>) -> anyhow::Result<Session> {
         let start = Start { map, map_arguments: &self.map_arguments, fit: &self.fit, session: self.session.as_deref() };
+        let model = self.look.model()?;
         let mut session = start.session(|file| {
-            self.look.apply_to(&mut file.surface)?;
+            self.look.apply_to(&mut file.surface, model)?;
             let own = file.truth_samples.unwrap_or(PICTURE_SAMPLES).max(PICTURE_SAMPLES);
             file.truth_samples = Some(self.samples.unwrap_or(own));
             Ok(())

@@ -1,8 +1,10 @@
 //! The surface, its material and its levels, as options have them.
 
+use std::path::PathBuf;
+use std::str::FromStr;
 use std::sync::Arc;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::rules::{Convolution, Diffuse};
 use crate::brdf::Brdf;
@@ -11,7 +13,7 @@ use crate::filter::probes::MOST_PROBES;
 use crate::lighting::sky_harmonics::MOST_BANDS;
 use crate::lighting::{Light, Lights, Sky, SkySource};
 use crate::lit_surface::LitSurface;
-use crate::scene::ShapeKind;
+use crate::scene::{Model, Shape, ShapeKind};
 
 /// The surface, its material and the level it reads.
 #[derive(Args, Clone, Debug, Default)]
@@ -25,12 +27,24 @@ pub struct LookArguments {
     /// How a lobe reflects diffusely.
     #[arg(long, value_enum)]
     pub diffuse: Option<Diffuse>,
-    /// The surface.
-    #[arg(long, value_enum)]
+    /// The surface: plane, sphere, torus, monkey-saddle, teapot, or the file of a mesh (OBJ, glTF or GLB).
+    #[arg(long, value_name = "NAME|FILE")]
     pub shape: Option<ShapeArgument>,
-    /// Repeats of the map along each side of the surface.
-    #[arg(long, value_name = "N")]
-    pub tiling: Option<f32>,
+    /// The torus's radii: of the ring and of its tube.
+    #[arg(long, value_name = "RING,TUBE", value_parser = parse_radii)]
+    pub radii: Option<[f32; 2]>,
+    /// Repeats of the map along each side of the surface, or along u and v.
+    #[arg(long, value_name = "N|U,V", value_parser = parse_tiling)]
+    pub tiling: Option<[f32; 2]>,
+    /// How far each row of the tiled map is shifted sideways, per unit of height.
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    pub shear: Option<f32>,
+    /// Degrees that the texture coordinates are turned by, counter-clockwise.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    pub turn: Option<f32>,
+    /// Mirror the map, left for right.
+    #[arg(long)]
+    pub mirror: bool,
     /// The MIP level that pixels read: auto, at which a lookup blurs as much as the pixel does; hardware, whose texels
     /// are as wide as the pixel is long; or a number, read everywhere.
     #[arg(long, value_name = "LEVEL", value_parser = parse_level)]
@@ -61,15 +75,44 @@ pub struct LookArguments {
     pub sky_bands: Option<u8>,
 }
 
-/// The surface by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+/// The surface by name, or a mesh by its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ShapeArgument {
-    /// A square.
-    Plane,
-    /// A sphere.
-    Sphere,
-    /// A torus.
-    Torus,
+    /// A surface of the program's own.
+    BuiltIn(ShapeKind),
+    /// A file.
+    File(PathBuf),
+}
+
+impl FromStr for ShapeArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match ShapeKind::BUILT_IN.into_iter().find(|kind| kind.name() == text) {
+            Some(kind) => Ok(Self::BuiltIn(kind)),
+            None if text.contains(['.', '/']) => Ok(Self::File(text.into())),
+            None => {
+                let names = ShapeKind::BUILT_IN.map(ShapeKind::name).join(", ");
+                Err(format!("write {names}, or the path of a mesh"))
+            }
+        }
+    }
+}
+
+fn parse_pair(text: &str) -> Option<[f32; 2]> {
+    let (first, second) = text.split_once(',')?;
+    Some([first.trim().parse().ok()?, second.trim().parse().ok()?])
+}
+
+fn parse_tiling(text: &str) -> Result<[f32; 2], String> {
+    let pair = text.parse().ok().map(|both| [both; 2]).or_else(|| parse_pair(text));
+    let pair = pair.filter(|pair| pair.iter().all(|repeats| repeats.is_finite() && *repeats > 0.0));
+    pair.ok_or_else(|| "write one number above 0, or two as in 60,36".to_owned())
+}
+
+fn parse_radii(text: &str) -> Result<[f32; 2], String> {
+    let pair = parse_pair(text).filter(|&[ring, tube]| ring > tube && tube > 0.0 && ring.is_finite());
+    pair.ok_or_else(|| "write the ring's radius and the tube's smaller one, as in 0.75,0.35".to_owned())
 }
 
 fn parse_level(text: &str) -> Result<LevelChoice, String> {
@@ -84,11 +127,20 @@ fn parse_level(text: &str) -> Result<LevelChoice, String> {
 }
 
 impl LookArguments {
-    /// Sets what was asked for.
+    /// Reads the mesh that was asked for, if one was.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn model(&self) -> anyhow::Result<Option<Arc<Model>>> {
+        let Some(ShapeArgument::File(path)) = &self.shape else { return Ok(None) };
+        Ok(Some(Arc::new(Model::read(path)?)))
+    }
+
+    /// Sets what was asked for; `model` is the mesh that was read.
     ///
     /// # Errors
     /// One sentence that says what cannot be.
-    pub fn apply_to(&self, surface: &mut LitSurface) -> anyhow::Result<()> {
+    pub fn apply_to(&self, surface: &mut LitSurface, model: Option<Arc<Model>>) -> anyhow::Result<()> {
         let material = &mut surface.material;
         material.shininess = self.brdf.map_or(material.shininess, |brdf| brdf.exponent() as f32);
         if self.brdf == Some(Brdf::Lambert) {
@@ -96,8 +148,21 @@ impl LookArguments {
         }
         material.convolution = self.convolution.map_or(material.convolution, Convolution::rule);
         material.diffuse_rule = self.diffuse.map_or(material.diffuse_rule, Diffuse::rule);
-        surface.shape.kind = self.shape.map_or(surface.shape.kind, ShapeArgument::kind);
-        surface.shape.tiling = self.tiling.map_or(surface.shape.tiling, |tiling| [tiling; 2]);
+        if let Some(model) = model {
+            surface.wear_on(model);
+        }
+        let shape = &mut surface.shape;
+        if let Some(ShapeArgument::BuiltIn(kind)) = self.shape {
+            shape.kind = kind;
+        }
+        *shape = Shape {
+            radii: self.radii.unwrap_or(shape.radii),
+            tiling: self.tiling.unwrap_or(shape.tiling),
+            shear: self.shear.unwrap_or(shape.shear),
+            turn_deg: self.turn.unwrap_or(shape.turn_deg),
+            mirrored: self.mirror || shape.mirrored,
+            ..shape.clone()
+        };
         surface.level = self.level.unwrap_or(surface.level);
         surface.anisotropy = self.anisotropy.unwrap_or(surface.anisotropy);
         if !self.lights.is_empty() {
@@ -119,15 +184,5 @@ impl LookArguments {
         sky.intensity = self.sky_intensity.unwrap_or(sky.intensity);
         sky.last_band = self.sky_bands.unwrap_or(sky.last_band);
         Ok(())
-    }
-}
-
-impl ShapeArgument {
-    fn kind(self) -> ShapeKind {
-        match self {
-            Self::Plane => ShapeKind::Plane,
-            Self::Sphere => ShapeKind::Sphere,
-            Self::Torus => ShapeKind::Torus,
-        }
     }
 }

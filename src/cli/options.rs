@@ -113,6 +113,7 @@ impl MapArguments {
             srgb: self.encoding.map_or(base.srgb, |encoding| encoding == Encoding::Srgb),
             object_space: self.space.map_or(base.object_space, |space| space == Space::Object),
             height_scale: self.height_scale.or(base.height_scale),
+            slope_scale: base.slope_scale,
             color: self.color.clone().or(base.color),
         }
     }

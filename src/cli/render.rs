@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use clap::Args;
 
@@ -13,7 +14,7 @@ use crate::comparison::{MOST_METHODS, View};
 use crate::filter::{MethodChoice, Rival};
 use crate::gpu::context::Gpu;
 use crate::image_io::write_png_rgba8;
-use crate::scene::Camera;
+use crate::scene::{Camera, Model};
 use crate::session::Session;
 use crate::session::file::SessionFile;
 
@@ -111,16 +112,19 @@ impl SceneArguments {
     pub fn session(&self) -> anyhow::Result<Session> {
         let count = self.methods.len();
         anyhow::ensure!(count <= MOST_METHODS, "--methods names {count} methods; a grid has room for {MOST_METHODS}.");
+        let model = self.look.model()?;
+        // A mesh that brings a normal texture brings the map, unless one is named.
+        let brought = model.as_ref().filter(|model| model.has_normal_map).map(|model| model.path.clone());
         let start = Start {
-            map: self.map.as_deref(),
+            map: self.map.as_deref().or(brought.as_deref()),
             map_arguments: &self.map_arguments,
             fit: &self.fit,
             session: self.session.as_deref(),
         };
-        start.session(|file| self.apply_to(file))
+        start.session(|file| self.apply_to(file, model))
     }
 
-    fn apply_to(&self, file: &mut SessionFile) -> anyhow::Result<()> {
+    fn apply_to(&self, file: &mut SessionFile, model: Option<Arc<Model>>) -> anyhow::Result<()> {
         let comparison = &mut file.comparison;
         let mut chosen = [self.left, self.right, self.method].into_iter().flatten().chain(self.methods.iter().copied());
         file.fit.lobes = chosen.find_map(|choice| choice.lobes).unwrap_or(file.fit.lobes);
@@ -136,7 +140,7 @@ impl SceneArguments {
         }
         file.truth_samples = self.samples.or(file.truth_samples).or(Some(PICTURE_SAMPLES));
         let surface = &mut file.surface;
-        self.look.apply_to(surface)?;
+        self.look.apply_to(surface, model)?;
         let distance = self.distance.unwrap_or(surface.camera.distance);
         surface.camera.distance = distance.clamp(Camera::MIN_DISTANCE, Camera::MAX_DISTANCE);
         Ok(())

@@ -330,7 +330,7 @@ impl SurfaceFrame {
         let timer = self.timer.as_mut().filter(|_| method != Method::Truth && key.lods.is_some());
         let timestamps = timer.and_then(|timer| timer.writes(method));
         let Some(picture) = self.pictures.iter_mut().find(|picture| picture.method == method) else { return };
-        let (surface, map, what) = (&self.surface, &self.textures, (input.surface.shape.kind, method));
+        let (surface, map) = (&self.surface, &self.textures);
         let target = &mut picture.target;
         match (key.lods, method, &picture.channels, &mut picture.spare) {
             (None, ..) => surface.clear(encoder, target),
@@ -338,15 +338,15 @@ impl SurfaceFrame {
                 if self.truth_samples == 0 {
                     surface.clear(encoder, target);
                 }
-                surface.draw(encoder, what, map, next, Reads::Mean(target), None);
+                surface.draw(encoder, method, map, next, Reads::Mean(target), None);
                 std::mem::swap(next, target);
                 self.truth_samples += samples_due;
             }
             (Some(lods), Method::Rival(rival), Some(channels), _) => {
                 channels.prepare(queue, lods, rival.parameter);
-                surface.draw(encoder, what, map, target, Reads::Channels(channels), timestamps);
+                surface.draw(encoder, method, map, target, Reads::Channels(channels), timestamps);
             }
-            (Some(_), ..) => surface.draw(encoder, what, map, target, Reads::Nothing, timestamps),
+            (Some(_), ..) => surface.draw(encoder, method, map, target, Reads::Nothing, timestamps),
         }
         picture.drawn = Some(key);
     }

@@ -111,7 +111,9 @@ impl SurfacePipelines {
         method: Method,
         variant: Variant,
     ) -> wgpu::RenderPipeline {
-        let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2];
+        let attributes = wgpu::vertex_attr_array![
+            0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x4, 4 => Float32x2
+        ];
         let number = |flag: bool| f64::from(u8::from(flag));
         let overrides = [
             ("COLORED", number(variant.colored)),

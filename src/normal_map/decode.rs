@@ -217,6 +217,7 @@ pub struct Decoder {
     /// `None` where z is taken from x and y.
     z: Option<StoredZ>,
     y_sign: f64,
+    slope_scale: f64,
 }
 
 impl Decoder {
@@ -229,6 +230,7 @@ impl Decoder {
             srgb: options.srgb,
             z: (!two_channel).then_some(options.z),
             y_sign: if options.green == GreenChannel::Down { -1.0 } else { 1.0 },
+            slope_scale: options.slope_scale.map_or(1.0, f64::from),
         }
     }
 
@@ -256,7 +258,8 @@ impl Decoder {
         };
         let vector = xy.extend(z);
         let length = vector.length();
-        (length.is_finite() && length >= SHORTEST).then(|| (vector / length, length))
+        let scaled = vector * DVec3::new(self.slope_scale, self.slope_scale, 1.0);
+        (length.is_finite() && length >= SHORTEST).then(|| (scaled.normalize_or(DVec3::Z), length))
     }
 
     /// The x and y of a texel as they are stored, before the normal is normalised.

@@ -73,6 +73,8 @@ pub struct MapOptions {
     pub object_space: bool,
     /// Reads the image as heights, scaled by this factor (in texel widths per full range), instead of as normals.
     pub height_scale: Option<f32>,
+    /// Multiplies the x and y of every normal, and with them the slopes, before it is normalised.
+    pub slope_scale: Option<f32>,
     /// An image of the surface's colour, fitted along.
     pub color: Option<PathBuf>,
 }
@@ -186,6 +188,13 @@ impl NormalMap {
     /// What the samples say of how they should be read.
     pub fn diagnose(&self) -> Diagnosis {
         Diagnosis::new(&self.stored, &self.options)
+    }
+
+    /// Takes an image in memory as the surface's colour.
+    pub fn wear_color(&mut self, image: &RasterImage) {
+        let (albedo, warnings) = Albedo::from_image(image, (self.width, self.height));
+        self.albedo = Some(Arc::new(albedo));
+        self.warnings.extend(warnings);
     }
 
     /// Linear RGB of a base texel; white where no colour was given.

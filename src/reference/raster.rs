@@ -12,7 +12,8 @@ use crate::filter::truth::nearest_texel;
 use crate::lit_surface::{LitSurface, SurfacePoint};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
-use crate::scene::{Camera, Vertex};
+use crate::scene::Vertex;
+use crate::scene::mesh::Tangents;
 
 /// The columns and rows of pixels that are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,9 @@ struct Window {
 /// A triangle ready to be asked about pixels.
 struct ScreenTriangle<'a> {
     corners: [&'a Vertex; 3],
+    tangents: [Tangents; 3],
+    /// Where the map is read at each corner.
+    uvs: [DVec2; 3],
     /// Takes `(x, y, 1)` to `b_i`.
     coverage_from_pixel: DMat3,
     depth_over_w: DVec3,
@@ -65,14 +69,14 @@ fn rasterize_window(surface: &LitSurface, size: [u32; 2], window: Window) -> Vec
     let mut points = vec![None; count];
     let mesh = surface.shape.mesh();
     for corners in mesh.triangles() {
-        let Some(triangle) = ScreenTriangle::new(corners, &surface.camera, size) else { continue };
+        let Some(triangle) = ScreenTriangle::new(corners, surface, size) else { continue };
         let bounds = triangle.bounds(window);
         for y in bounds.start[1]..bounds.end[1] {
             for x in bounds.start[0]..bounds.end[0] {
                 let index = ((y - window.start[1]) * columns + x - window.start[0]) as usize;
                 if let Some(depth) = triangle.depth([x, y]).filter(|&depth| depth < nearest[index]) {
                     nearest[index] = depth;
-                    points[index] = Some(triangle.point([x, y], surface));
+                    points[index] = Some(triangle.point([x, y]));
                 }
             }
         }
@@ -85,10 +89,10 @@ fn centre(pixel: [u32; 2]) -> DVec2 {
 }
 
 impl<'a> ScreenTriangle<'a> {
-    fn new(corners: [&'a Vertex; 3], camera: &Camera, size: [u32; 2]) -> Option<Self> {
+    fn new(corners: [&'a Vertex; 3], surface: &LitSurface, size: [u32; 2]) -> Option<Self> {
         let aspect = size[0] as f32 / size[1] as f32;
         // The matrix is the shader's, rounded to f32; what follows is exact enough to be its judge.
-        let clip_from_world = camera.clip_from_world(aspect).as_dmat4();
+        let clip_from_world = surface.camera.clip_from_world(aspect).as_dmat4();
         let clip = corners.map(|v| clip_from_world * Vec3::from(v.position).as_dvec3().extend(1.0));
         let half = DVec2::new(f64::from(size[0]), f64::from(size[1])) / 2.0;
         let screen = clip.map(|c| DVec3::new(half.x * (c.w + c.x), half.y * (c.w - c.y), c.w));
@@ -99,7 +103,10 @@ impl<'a> ScreenTriangle<'a> {
         let depth_over_w = DVec3::new(clip[0].z, clip[1].z, clip[2].z);
         let w = DVec3::new(clip[0].w, clip[1].w, clip[2].w);
         let coverage_from_pixel = matrix.inverse();
-        Some(Self { corners, coverage_from_pixel, depth_over_w, w })
+        let uv_from_surface = surface.shape.uv_from_surface();
+        let tangents = corners.map(|corner| corner.tangents(uv_from_surface));
+        let uvs = corners.map(|corner| uv_from_surface.as_dmat2() * Vec2::from(corner.uv).as_dvec2());
+        Some(Self { corners, tangents, uvs, coverage_from_pixel, depth_over_w, w })
     }
 
     /// The pixels it can touch, within `window`.
@@ -143,40 +150,50 @@ impl<'a> ScreenTriangle<'a> {
         (0..3).map(|i| weights[i] * Vec3::from(attribute(self.corners[i])).as_dvec3()).sum()
     }
 
-    fn uv(&self, pixel: [u32; 2], tiling: [f32; 2]) -> DVec2 {
-        let uv = self.blend(self.weights(pixel), |v| [v.uv[0], v.uv[1], 0.0]);
-        uv.truncate() * DVec2::new(f64::from(tiling[0]), f64::from(tiling[1]))
+    fn blend_tangents(&self, weights: DVec3, which: impl Fn(&Tangents) -> Vec3) -> DVec3 {
+        (0..3).map(|i| weights[i] * which(&self.tangents[i]).as_dvec3()).sum()
+    }
+
+    fn blend_uvs(&self, weights: DVec3) -> DVec2 {
+        (0..3).map(|i| weights[i] * self.uvs[i]).sum()
+    }
+
+    fn uv(&self, pixel: [u32; 2]) -> DVec2 {
+        self.blend_uvs(self.weights(pixel))
     }
 
     /// The surface point, its derivatives taken as a GPU takes them: between the pixels of its 2 x 2 quad, outside
     /// the triangle too.
-    fn point(&self, pixel: [u32; 2], surface: &LitSurface) -> SurfacePoint {
+    fn point(&self, pixel: [u32; 2]) -> SurfacePoint {
         let [x, y] = pixel;
         let weights = self.weights(pixel);
-        let uv = |pixel| self.uv(pixel, surface.shape.tiling);
-        let normal = self.blend(weights, |v| v.normal).normalize();
-        let tangent = self.blend(weights, |v| v.tangent).reject_from_normalized(normal).normalize();
+        let uv = |pixel| self.uv(pixel);
+        let normal = self.blend(weights, |v| v.normal).normalize_or_zero();
+        let tangent = self.blend_tangents(weights, |frame| frame.tangent);
+        let tangent = (tangent - normal * normal.dot(tangent)).normalize_or_zero();
+        let across = normal.cross(tangent);
+        // A mirrored map makes a left-handed frame.
+        let is_mirrored = self.blend_tangents(weights, |frame| frame.bitangent).dot(across) < 0.0;
         SurfacePoint {
             position_in_world: self.blend(weights, |v| v.position).as_vec3(),
             tangent_in_world: tangent.as_vec3(),
-            bitangent_in_world: normal.cross(tangent).as_vec3(),
+            bitangent_in_world: if is_mirrored { -across } else { across }.as_vec3(),
             normal_in_world: normal.as_vec3(),
             uv: uv(pixel).as_vec2(),
             uv_dx: (uv([x | 1, y]) - uv([x & !1, y])).as_vec2(),
             uv_dy: (uv([x, y | 1]) - uv([x, y & !1])).as_vec2(),
-            footprint: self.footprint(pixel, surface.shape.tiling),
+            footprint: self.footprint(pixel),
         }
     }
 
     /// From the linear `b_i`: with `q = sum b_i`, `uv = sum b_i uv_i / q` has the derivative
     /// `(sum b_i' uv_i - uv q') / q`.
-    fn footprint(&self, pixel: [u32; 2], tiling: [f32; 2]) -> PixelFootprint {
-        let uv = self.uv(pixel, tiling);
+    fn footprint(&self, pixel: [u32; 2]) -> PixelFootprint {
+        let uv = self.uv(pixel);
         let nearness = self.coverage(pixel).element_sum();
-        let tiling = DVec2::new(f64::from(tiling[0]), f64::from(tiling[1]));
         let derivatives = [0, 1].map(|axis| {
             let slope = self.coverage_from_pixel.col(axis);
-            let change = tiling * self.blend(slope, |v| [v.uv[0], v.uv[1], 0.0]).truncate();
+            let change = self.blend_uvs(slope);
             let approach = slope.element_sum() / nearness;
             (((change / nearness) - approach * uv).as_vec2(), approach as f32)
         });
@@ -188,11 +205,11 @@ impl<'a> ScreenTriangle<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Shape, ShapeKind};
+    use crate::scene::{Camera, Shape, ShapeKind};
 
     fn surface(kind: ShapeKind, distance: f32, elevation_deg: f32) -> LitSurface {
         LitSurface {
-            shape: Shape { kind, tiling: [1.0, 1.0] },
+            shape: Shape { tiling: [1.0, 1.0], ..Shape::of_kind(kind) },
             camera: Camera { distance, elevation_deg, ..Camera::default() },
             ..LitSurface::default()
         }

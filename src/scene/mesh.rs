@@ -1,29 +1,76 @@
 //! Triangle meshes, as the graphics adapter and the processor's rasteriser read them.
 
-use glam::Vec3;
+use glam::{Mat2, Vec2, Vec3};
 
-/// A corner of a triangle. The bitangent is `normal x tangent`, so every frame is right-handed.
+use super::jet::Jet;
+
+/// A corner of a triangle, with the surface's derivatives by its own texture coordinates.
+///
+/// Along t is up the image, against v. The two derivatives need not be perpendicular, and where the texture is mirrored
+/// they make a left-handed frame with the normal.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Vertex {
     /// Position in world space.
     pub position: [f32; 3],
-    /// Unit tangent, along growing u.
-    pub tangent: [f32; 3],
     /// Unit normal, outward.
     pub normal: [f32; 3],
-    /// Texture coordinates in `0..=1`, before tiling.
+    /// Unit vector along growing u, and how far the surface goes per unit of u.
+    pub along_u: [f32; 4],
+    /// Unit vector up the image, and how far the surface goes per unit of v.
+    pub along_t: [f32; 4],
+    /// Texture coordinates, before they are turned and tiled; v runs down.
     pub uv: [f32; 2],
 }
 
+/// Which way the map lies at a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tangents {
+    /// Unit tangent, along the map's rows.
+    pub tangent: Vec3,
+    /// Unit bitangent, up the map's columns; not always perpendicular to the tangent.
+    pub bitangent: Vec3,
+}
+
 impl Vertex {
-    /// The vertex of a surface at `uv`, with its frame made orthonormal.
-    pub fn new(position: Vec3, tangent: Vec3, normal: Vec3, uv: [f32; 2]) -> Self {
-        let normal = normal.normalize_or(Vec3::Z);
-        let tangent = tangent.reject_from_normalized(normal).normalize_or(normal.any_orthonormal_vector());
-        Self { position: position.to_array(), tangent: tangent.to_array(), normal: normal.to_array(), uv }
+    /// The vertex of a smooth surface at height `t` of its parameters. Where rows shrink to a pole, the frame is the
+    /// limit from within the surface.
+    pub fn of_jet(jet: &Jet, t: f64, [u, v]: [f64; 2]) -> Self {
+        let to_inside = if t > 0.5 { -1.0 } else { 1.0 };
+        let is_pole = jet.u.length() < 1e-9 * jet.ut.length();
+        let east = if is_pole { to_inside * jet.ut } else { jet.u };
+        let normal = east.cross(jet.t).normalize_or(glam::DVec3::Z);
+        let with_length = |direction: glam::DVec3, derivative: glam::DVec3| {
+            direction.normalize_or(normal.any_orthonormal_vector()).extend(derivative.length()).as_vec4().to_array()
+        };
+        Self {
+            position: jet.position.as_vec3().to_array(),
+            normal: normal.as_vec3().to_array(),
+            along_u: with_length(east, jet.u),
+            along_t: with_length(jet.t, jet.t),
+            uv: [u as f32, v as f32],
+        }
+    }
+
+    /// The frame of a map that is read at `uv_from_surface * uv`.
+    ///
+    /// With `(s, t) = A (u, t)`, the derivatives by the new coordinates are `[chi_s chi_t] = [sigma_u sigma_t] A^-1`
+    /// (Mikkelsen 2008, section 2.4); v runs down, so two of A's elements change their sign. A mirroring A makes the
+    /// frame left-handed; the normal stays outward.
+    pub fn tangents(&self, uv_from_surface: Mat2) -> Tangents {
+        let [[a, minus_c], [minus_b, d]] = uv_from_surface.to_cols_array_2d();
+        let derivative = |along: [f32; 4]| Vec3::new(along[0], along[1], along[2]) * along[3].max(LEAST_LENGTH);
+        let (along_u, along_t) = (derivative(self.along_u), derivative(self.along_t));
+        let orientation = if uv_from_surface.determinant() < 0.0 { -1.0 } else { 1.0 };
+        Tangents {
+            tangent: (orientation * (d * along_u + minus_c * along_t)).normalize_or_zero(),
+            bitangent: (orientation * (minus_b * along_u + a * along_t)).normalize_or_zero(),
+        }
     }
 }
+
+/// A derivative's length counts as this at least, so that a pole keeps its directions; the shader's too.
+pub const LEAST_LENGTH: f32 = 1e-6;
 
 /// Vertices, and three indices a triangle, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,8 +84,8 @@ pub struct Mesh {
 impl Mesh {
     /// The grid of `columns` by `rows` quads over `uv` in `0..=1`, whose vertices `vertex` places; triangles without
     /// area, as at a pole, are left out.
-    pub fn over_unit_square(columns: u32, rows: u32, vertex: impl Fn(f32, f32) -> Vertex) -> Self {
-        let along = |i: u32, count: u32| i as f32 / count as f32;
+    pub fn over_unit_square(columns: u32, rows: u32, vertex: impl Fn(f64, f64) -> Vertex) -> Self {
+        let along = |i: u32, count: u32| f64::from(i) / f64::from(count);
         let vertices: Vec<Vertex> = (0..=rows)
             .flat_map(|row| (0..=columns).map(move |column| (column, row)))
             .map(|(column, row)| vertex(along(column, columns), along(row, rows)))
@@ -59,13 +106,40 @@ impl Mesh {
         Self { vertices, indices }
     }
 
+    /// Adds another mesh's triangles.
+    pub fn append(&mut self, other: Self) {
+        let first = self.vertices.len() as u32;
+        self.vertices.extend(other.vertices);
+        self.indices.extend(other.indices.iter().map(|index| first + index));
+    }
+
     /// The triangles, as three vertices each.
     pub fn triangles(&self) -> impl Iterator<Item = [&Vertex; 3]> {
         self.indices.chunks_exact(3).map(|corner| std::array::from_fn(|i| &self.vertices[corner[i] as usize]))
+    }
+
+    /// Position and normal of the first point that has these texture coordinates, if any has.
+    pub fn point_at(&self, uv: Vec2) -> Option<[Vec3; 2]> {
+        self.triangles().find_map(|corners| {
+            let weights = barycentric(corners.map(|corner| corner.uv.into()), uv)?;
+            let blend = |value: fn(&Vertex) -> [f32; 3]| -> Vec3 {
+                corners.iter().zip(weights).map(|(corner, weight)| weight * Vec3::from(value(corner))).sum()
+            };
+            Some([blend(|corner| corner.position), blend(|corner| corner.normal).normalize_or_zero()])
+        })
     }
 }
 
 fn has_area(vertices: &[Vertex], triangle: [u32; 3]) -> bool {
     let [a, b, c] = triangle.map(|index| Vec3::from(vertices[index as usize].position));
     (b - a).cross(c - a).length() > 1e-9
+}
+
+/// The weights of a triangle's corners at a point inside it.
+fn barycentric([a, b, c]: [Vec2; 3], point: Vec2) -> Option<[f32; 3]> {
+    let whole = (b - a).perp_dot(c - a);
+    let weights = [(b - point).perp_dot(c - point), (c - point).perp_dot(a - point), (a - point).perp_dot(b - point)];
+    let weights = weights.map(|part| part / whole);
+    // A zero area makes NaN, which is not inside either.
+    weights.iter().all(|weight| *weight >= 0.0).then_some(weights)
 }

@@ -1,13 +1,13 @@
-//! The parametric surfaces: plane, sphere and torus.
-//!
-//! Each carries texture coordinates `u` right and `v` down, and an orthonormal frame per vertex whose tangent runs
-//! along growing u and whose bitangent runs up the image, along falling v.
+//! What wears the map: a parametric surface or a mesh from a file, and how the map lies on it.
 
-use std::f32::consts::{PI, TAU};
+use std::sync::{Arc, OnceLock};
 
-use glam::Vec3;
+use glam::Mat2;
 
+use super::jet::Jet;
 use super::mesh::{Mesh, Vertex};
+use super::model::Model;
+use super::{parametric, teapot};
 
 /// Which surface wears the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -18,34 +18,62 @@ pub enum ShapeKind {
     Plane,
     /// The unit sphere.
     Sphere,
-    /// A torus around `z`, radii 0.75 and 0.35.
+    /// A torus around `z`.
     Torus,
+    /// `z = x^3 - 3 x y^2` over a square.
+    MonkeySaddle,
+    /// The Utah teapot.
+    Teapot,
+    /// A mesh from a file.
+    Mesh,
 }
 
-/// A surface and how often the map repeats on it.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+/// A surface and how the map lies on it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct Shape {
     /// Which surface.
     pub kind: ShapeKind,
+    /// Radii of the torus: of its ring, and of its tube.
+    pub radii: [f32; 2],
     /// Repeats of the map along u and along v.
     pub tiling: [f32; 2],
+    /// How far each row of the tiled map is shifted sideways, per unit of height.
+    pub shear: f32,
+    /// Degrees that the texture coordinates are turned by, counter-clockwise, so that the map turns the other way.
+    pub turn_deg: f32,
+    /// Whether the map is mirrored, left for right.
+    pub mirrored: bool,
+    /// The mesh, where the kind asks for one; a session file names its path.
+    #[serde(skip)]
+    pub model: Option<Arc<Model>>,
+}
+
+impl Shape {
+    /// The shape of a first start.
+    pub const DEFAULT: Self = Self {
+        kind: ShapeKind::Plane,
+        radii: [0.75, 0.35],
+        tiling: [2.0, 2.0],
+        shear: 0.0,
+        turn_deg: 0.0,
+        mirrored: false,
+        model: None,
+    };
 }
 
 impl Default for Shape {
     fn default() -> Self {
-        Self { kind: ShapeKind::Plane, tiling: [2.0, 2.0] }
+        Self::DEFAULT
     }
 }
 
-/// Distance from the torus's centre to its tube's centre.
-const TORUS_RADIUS: f32 = 0.75;
-/// Radius of the torus's tube.
-const TUBE_RADIUS: f32 = 0.35;
+/// How much of its own size the monkey saddle is drawn with: its heights reach from -2 to 2.
+const SADDLE_SCALE: f64 = 0.45;
 
 impl ShapeKind {
-    /// Every kind, in the order they are offered.
-    pub const ALL: [Self; 3] = [Self::Plane, Self::Sphere, Self::Torus];
+    /// Every kind that needs no file, in the order they are offered.
+    pub const BUILT_IN: [Self; 5] = [Self::Plane, Self::Sphere, Self::Torus, Self::MonkeySaddle, Self::Teapot];
 
     /// The name to show.
     pub fn label(self) -> &'static str {
@@ -53,108 +81,204 @@ impl ShapeKind {
             Self::Plane => "Plane",
             Self::Sphere => "Sphere",
             Self::Torus => "Torus",
+            Self::MonkeySaddle => "Monkey saddle",
+            Self::Teapot => "Teapot",
+            Self::Mesh => "Mesh",
         }
     }
 
-    /// The surface's point and frame at texture coordinates in `0..=1`.
-    pub fn vertex(self, u: f32, v: f32) -> Vertex {
+    /// The name on the command line and in session files.
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Plane => plane(u, v),
-            Self::Sphere => sphere(u, v),
-            Self::Torus => torus(u, v),
-        }
-    }
-
-    /// The surface as triangles; texture coordinates run once over it, from 0 to 1.
-    pub fn mesh(self) -> Mesh {
-        match self {
-            Self::Plane => Mesh::over_unit_square(1, 1, plane),
-            Self::Sphere => Mesh::over_unit_square(192, 96, sphere),
-            Self::Torus => Mesh::over_unit_square(192, 96, torus),
+            Self::Plane => "plane",
+            Self::Sphere => "sphere",
+            Self::Torus => "torus",
+            Self::MonkeySaddle => "monkey-saddle",
+            Self::Teapot => "teapot",
+            Self::Mesh => "mesh",
         }
     }
 }
 
 impl Shape {
-    /// The surface as triangles, before tiling.
-    pub fn mesh(&self) -> Mesh {
-        self.kind.mesh()
+    /// A surface that needs no file, the map as on a first start.
+    pub fn of_kind(kind: ShapeKind) -> Self {
+        Self { kind, ..Self::default() }
     }
-}
 
-fn plane(u: f32, v: f32) -> Vertex {
-    Vertex::new(Vec3::new(2.0 * u - 1.0, 1.0 - 2.0 * v, 0.0), Vec3::X, Vec3::Z, [u, v])
-}
+    /// The mesh of a file.
+    pub fn of_model(model: Arc<Model>) -> Self {
+        Self { kind: ShapeKind::Mesh, model: Some(model), ..Self::default() }
+    }
 
-/// Longitude along u, eastwards; latitude falls along v from the north pole.
-fn sphere(u: f32, v: f32) -> Vertex {
-    let (east, outward) = around(u);
-    let (sin, cos) = (v * PI).sin_cos();
-    // At a pole the sine is all but zero; exactly zero closes the surface there.
-    let ring = if v == 0.0 || v == 1.0 { 0.0 } else { sin };
-    let position = ring * outward + cos * Vec3::Z;
-    Vertex::new(position, east, position, [u, v])
-}
+    /// The surface to second order, in its own units, where it is one function of u and t.
+    pub fn jet(&self, u: f64, t: f64) -> Option<Jet> {
+        match self.kind {
+            ShapeKind::Plane => Some(parametric::plane(u, t)),
+            ShapeKind::Sphere => Some(parametric::sphere(u, t)),
+            ShapeKind::Torus => Some(parametric::torus(self.radii.map(f64::from), u, t)),
+            ShapeKind::MonkeySaddle => Some(parametric::monkey_saddle(u, t)),
+            ShapeKind::Teapot | ShapeKind::Mesh => None,
+        }
+    }
 
-/// Around the axis along u, eastwards; around the tube along v, from the inside over the top to the outside.
-fn torus(u: f32, v: f32) -> Vertex {
-    let (east, outward) = around(u);
-    let (sin, cos) = ((1.0 - 2.0 * v) * PI).sin_cos();
-    let normal = cos * outward + sin * Vec3::Z;
-    Vertex::new(TORUS_RADIUS * outward + TUBE_RADIUS * normal, east, normal, [u, v])
-}
+    /// World units in one of the surface's own units.
+    pub fn scale(&self) -> f64 {
+        if self.kind == ShapeKind::MonkeySaddle { SADDLE_SCALE } else { 1.0 }
+    }
 
-/// The directions along and away from the z axis at turn `u`, which is 0 at the front, `-y`.
-fn around(u: f32) -> (Vec3, Vec3) {
-    let (sin, cos) = ((u - 0.5) * TAU).sin_cos();
-    (Vec3::new(cos, sin, 0.0), Vec3::new(sin, -cos, 0.0))
+    /// The surface as triangles, before its texture coordinates are turned and tiled. A mesh that is not read yet has
+    /// none.
+    pub fn mesh(&self) -> Arc<Mesh> {
+        match (self.kind, &self.model) {
+            (ShapeKind::Teapot, _) => {
+                static TEAPOT: OnceLock<Arc<Mesh>> = OnceLock::new();
+                Arc::clone(TEAPOT.get_or_init(|| Arc::new(teapot::mesh())))
+            }
+            (ShapeKind::Mesh, Some(model)) => Arc::clone(&model.mesh),
+            _ => Arc::new(self.parametric_mesh()),
+        }
+    }
+
+    fn parametric_mesh(&self) -> Mesh {
+        let [columns, rows] = match self.kind {
+            ShapeKind::Plane => [1, 1],
+            ShapeKind::MonkeySaddle => [128, 128],
+            _ => [192, 96],
+        };
+        let vertex = |u: f64, v: f64| {
+            let jet = self.jet(u, 1.0 - v).unwrap_or_default().scaled(self.scale());
+            Vertex::of_jet(&jet, 1.0 - v, [u, v])
+        };
+        Mesh::over_unit_square(columns, rows, vertex)
+    }
+
+    /// True where both shapes have the same triangles; the map may lie on them differently.
+    pub fn has_mesh_of(&self, other: &Self) -> bool {
+        let same_radii = self.kind != ShapeKind::Torus || self.radii == other.radii;
+        self.kind == other.kind && same_radii && (self.kind != ShapeKind::Mesh || self.model == other.model)
+    }
+
+    /// Where the map is read, from the surface's own texture coordinates, v down in both.
+    ///
+    /// In Mikkelsen's order (2008, section 2.6.2), with t up: `(s, t) = R K S (u, t)`, first tiled (and mirrored), then
+    /// sheared, then turned. The origin is the surface's top left.
+    pub fn uv_from_surface(&self) -> Mat2 {
+        let [across, down] = self.tiling;
+        let across = if self.mirrored { -across } else { across };
+        let tile = Mat2::from_cols_array_2d(&[[across, 0.0], [0.0, down]]);
+        let shear = Mat2::from_cols_array_2d(&[[1.0, 0.0], [self.shear, 1.0]]);
+        let turn = Mat2::from_angle(self.turn_deg.to_radians());
+        let flip = Mat2::from_cols_array_2d(&[[1.0, 0.0], [0.0, -1.0]]);
+        flip * turn * shear * tile * flip
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec2;
+    use crate::scene::mesh::Tangents;
+    use glam::{Vec2, Vec3};
+    use std::f32::consts::{PI, TAU};
+
+    fn built_in() -> [Shape; 5] {
+        ShapeKind::BUILT_IN.map(Shape::of_kind)
+    }
+
+    fn derivative(along: [f32; 4]) -> Vec3 {
+        Vec3::new(along[0], along[1], along[2]) * along[3]
+    }
 
     #[test]
-    fn frames_are_orthonormal_and_lie_in_the_surface() {
-        for kind in ShapeKind::ALL {
-            for vertex in kind.mesh().vertices {
-                let [t, n] = [vertex.tangent, vertex.normal].map(Vec3::from);
-                assert!((t.length() - 1.0).abs() < 1e-5 && (n.length() - 1.0).abs() < 1e-5, "{kind:?} {vertex:?}");
-                assert!(t.dot(n).abs() < 1e-5, "{kind:?} {vertex:?}");
+    fn frames_lie_in_the_surface_and_are_right_handed() {
+        for shape in built_in() {
+            for vertex in &shape.mesh().vertices {
+                let normal = Vec3::from(vertex.normal);
+                let Tangents { tangent, bitangent } = vertex.tangents(Mat2::IDENTITY);
+                for unit in [normal, tangent, bitangent] {
+                    assert!((unit.length() - 1.0).abs() < 1e-5, "{:?} {vertex:?}", shape.kind);
+                }
+                assert!(tangent.dot(normal).abs() < 1e-5 && bitangent.dot(normal).abs() < 1e-5, "{vertex:?}");
+                assert!(normal.cross(tangent).dot(bitangent) > 0.01, "{:?} {vertex:?}", shape.kind);
             }
         }
     }
 
     #[test]
-    fn tangents_run_along_growing_u_and_bitangents_along_falling_v() {
-        for kind in ShapeKind::ALL {
-            for [a, b, c] in kind.mesh().triangles() {
+    fn derivatives_are_what_the_mesh_does_from_vertex_to_vertex() {
+        for shape in built_in() {
+            let mesh = shape.mesh();
+            for [a, b, c] in mesh.triangles() {
                 let edge = |p: &Vertex| Vec3::from(p.position) - Vec3::from(a.position);
-                let step = |p: &Vertex| Vec2::from(p.uv) - Vec2::from(a.uv);
-                let (t, n) = (Vec3::from(a.tangent), Vec3::from(a.normal));
+                assert!(edge(b).cross(edge(c)).dot(a.normal.into()) > 0.0, "{:?}: a triangle faces inward", shape.kind);
                 for p in [b, c] {
-                    // Stretched by the surface, but never reversed: a map on it is not mirrored.
-                    let (along_t, along_b) = (edge(p).dot(t), edge(p).dot(n.cross(t)));
-                    assert!(along_t * step(p).x > -2e-3, "{kind:?} {a:?} {p:?}");
-                    assert!(along_b * -step(p).y > -2e-3, "{kind:?} {a:?} {p:?}");
+                    let step = Vec2::from(p.uv) - Vec2::from(a.uv);
+                    // The mean of both ends' derivatives is right to second order: a hundredth on the coarsest mesh,
+                    // more where a patch of the teapot shrinks to its pole.
+                    let along_u = 0.5 * (derivative(a.along_u) + derivative(p.along_u));
+                    let along_t = 0.5 * (derivative(a.along_t) + derivative(p.along_t));
+                    let error = (step.x * along_u - step.y * along_t - edge(p)).length();
+                    assert!(error < 0.02 * edge(p).length() + 1e-3, "{:?} {a:?} {p:?}: {error}", shape.kind);
                 }
-                assert!(edge(b).cross(edge(c)).dot(n) > 0.0, "{kind:?}: a triangle faces inward");
             }
         }
     }
 
     #[test]
     fn areas_come_close_to_those_of_the_true_surfaces() {
-        let area = |kind: ShapeKind| -> f32 {
+        let area = |shape: Shape| -> f32 {
             let twice = |[a, b, c]: [&Vertex; 3]| {
                 let [a, b, c] = [a, b, c].map(|p| Vec3::from(p.position));
                 (b - a).cross(c - a).length()
             };
-            kind.mesh().triangles().map(twice).sum::<f32>() / 2.0
+            shape.mesh().triangles().map(twice).sum::<f32>() / 2.0
         };
-        assert!((area(ShapeKind::Plane) - 4.0).abs() < 1e-6);
-        assert!((area(ShapeKind::Sphere) / (4.0 * PI) - 1.0).abs() < 1e-3);
-        assert!((area(ShapeKind::Torus) / (TAU * TAU * TORUS_RADIUS * TUBE_RADIUS) - 1.0).abs() < 1e-3);
+        assert!((area(Shape::of_kind(ShapeKind::Plane)) - 4.0).abs() < 1e-6);
+        assert!((area(Shape::of_kind(ShapeKind::Sphere)) / (4.0 * PI) - 1.0).abs() < 1e-3);
+        for radii in [[0.75, 0.35], [0.9, 0.1]] {
+            let torus = Shape { radii, ..Shape::of_kind(ShapeKind::Torus) };
+            assert!((area(torus) / (TAU * TAU * radii[0] * radii[1]) - 1.0).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn tangents_follow_the_rows_of_a_map_that_is_tiled_sheared_turned_and_mirrored() {
+        let torus = Shape::of_kind(ShapeKind::Torus);
+        let changed = [
+            Shape { tiling: [12.0, 4.0], ..torus.clone() },
+            Shape { tiling: [12.0, 4.0], shear: 0.4, ..torus.clone() },
+            Shape { tiling: [12.0, 4.0], turn_deg: 30.0, ..torus.clone() },
+            Shape { tiling: [12.0, 4.0], turn_deg: 30.0, mirrored: true, ..torus },
+        ];
+        for shape in changed {
+            let uv_from_surface = shape.uv_from_surface();
+            let step = 1e-4;
+            for vertex in shape.mesh().vertices.iter().step_by(577) {
+                let Tangents { tangent, bitangent } = vertex.tangents(uv_from_surface);
+                let [u, v] = vertex.uv.map(f64::from);
+                // One small step along a row of the map, found by inverting where the map is read.
+                let moved = |along: Vec2| {
+                    let surface_step = (uv_from_surface.inverse() * along).as_dvec2();
+                    let place = |sign: f64| {
+                        let at = sign * step * surface_step;
+                        shape.jet(u + at.x, 1.0 - v - at.y).expect("parametric").position
+                    };
+                    (place(1.0) - place(-1.0)).as_vec3().normalize()
+                };
+                assert!((tangent - moved(Vec2::X)).length() < 1e-3, "{shape:?}");
+                assert!((bitangent - moved(Vec2::NEG_Y)).length() < 1e-3, "{shape:?}");
+                let handedness = Vec3::from(vertex.normal).cross(tangent).dot(bitangent);
+                assert_eq!(handedness < 0.0, shape.mirrored, "{shape:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_turn_alone_turns_the_map_clockwise_on_the_plane() {
+        let plane = Shape { tiling: [1.0, 1.0], turn_deg: 30.0, ..Shape::default() };
+        let Tangents { tangent, .. } = plane.mesh().vertices[0].tangents(plane.uv_from_surface());
+        // Mikkelsen, figure 13(c): R turns the coordinates counter-clockwise, its inverse turns the map.
+        let expected = Vec3::new(0.75_f32.sqrt(), -0.5, 0.0);
+        assert!((tangent - expected).length() < 1e-6, "{tangent}");
     }
 }

@@ -3,6 +3,7 @@
 //! Missing keys take their defaults; unknown keys are kept and reported. Paths are relative to the file.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -15,6 +16,7 @@ use crate::lighting::SkySource;
 use crate::lit_surface::LitSurface;
 use crate::normal_map::pyramid::Texel;
 use crate::normal_map::{MapOptions, MapSource};
+use crate::scene::{ImportError, Model, ShapeKind};
 
 /// Which map a session shows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,6 +42,8 @@ pub struct SessionFile {
     pub surface: LitSurface,
     /// The sky that lights the surface; none where it is missing.
     pub sky: Option<SkySource>,
+    /// The file of the mesh, where the shape is one; relative to the session file.
+    pub mesh: Option<PathBuf>,
     /// The methods compared, and how they stand beside each other.
     pub comparison: Comparison,
     /// The selected texel.
@@ -79,6 +83,9 @@ pub enum SessionFileError {
     /// The file could not be written.
     #[error(transparent)]
     Write(#[from] WriteImageError),
+    /// The mesh that the session names cannot be read.
+    #[error(transparent)]
+    Mesh(#[from] ImportError),
 }
 
 impl SessionFile {
@@ -90,7 +97,7 @@ impl SessionFile {
         path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
     }
 
-    /// Reads a session file and makes the paths of the map, of its colour and of the sky absolute.
+    /// Reads a session file and the mesh that it names, and makes the paths in it absolute.
     ///
     /// # Errors
     /// A sentence that names the file and the cause.
@@ -100,6 +107,7 @@ impl SessionFile {
         let mut file = Self::parse(&name(), &bytes)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         file.for_each_path(|path| *path = folder.join(&*path));
+        file.read_mesh()?;
         Ok(Self { path: Some(path.to_owned()), ..file })
     }
 
@@ -161,6 +169,24 @@ impl SessionFile {
         if let Some(SkySource::Path(sky)) = &mut self.sky {
             change(sky);
         }
+        if let Some(mesh) = &mut self.mesh {
+            change(mesh);
+        }
+    }
+
+    /// Reads the mesh that the session names and has not read; one that names none shows the plane instead.
+    ///
+    /// # Errors
+    /// One sentence that names the mesh and the cause.
+    pub fn read_mesh(&mut self) -> Result<(), ImportError> {
+        let shape = &mut self.surface.shape;
+        if shape.kind == ShapeKind::Mesh && shape.model.is_none() {
+            match &self.mesh {
+                Some(mesh) => shape.model = Some(Arc::new(Model::read(mesh)?)),
+                None => shape.kind = ShapeKind::Plane,
+            }
+        }
+        Ok(())
     }
 
     /// The request that opens the session's map, if it names one.
@@ -193,6 +219,7 @@ impl Session {
             fit: *self.fit_settings(),
             surface: self.surface.clone(),
             sky: self.surface.sky.environment.as_ref().map(|sky| sky.source.clone()),
+            mesh: self.surface.shape.model.as_ref().map(|model| model.path.clone()),
             comparison: self.comparison,
             selected: Some(self.selected),
             truth_samples: Some(self.truth_samples),

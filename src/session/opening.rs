@@ -11,6 +11,7 @@ use crate::filter::vmf::{Monitor, color};
 use crate::image_io;
 use crate::jobs::{Job, JobEvent, Outbox, Wake};
 use crate::normal_map::{DecodeError, Diagnosis, MapOptions, MapSource, NormalMap, OpenError, procedural};
+use crate::scene::import::{self, TextureRole};
 
 /// A map to open.
 #[derive(Clone, Debug, PartialEq)]
@@ -199,6 +200,7 @@ fn read_or_refuse(request: &MapRequest) -> Result<OpenedMap, Refused> {
             return read_session(SessionFile::parse(name, bytes).map_err(|error| error.to_string())?);
         }
         MapRequest::Session(file) => return read_session((**file).clone()),
+        MapRequest::File { path, options } if import::is_mesh_path(path) => return read_textures(path, options),
         MapRequest::File { path, options } => (read_file(path, options)?, options),
         MapRequest::Bytes { name, bytes, options } => (read_bytes(name, bytes, options)?, options),
         MapRequest::Bundled { name, options } => {
@@ -226,7 +228,8 @@ impl MapRequest {
 }
 
 /// Reads the map of a session, or makes the default one where it names none.
-fn read_session(file: SessionFile) -> Result<OpenedMap, Refused> {
+fn read_session(mut file: SessionFile) -> Result<OpenedMap, Refused> {
+    file.read_mesh().map_err(|error| error.to_string())?;
     let opened = match file.map_request() {
         // A session names a map, never another session.
         Some(MapRequest::File { path, .. }) if SessionFile::is_named_by(&path) => {
@@ -251,6 +254,25 @@ fn with_color(opened: OpenedMap, options: &MapOptions) -> Result<OpenedMap, Stri
         color::fit_levels(lobes, fit.settings.kappa, &monitor, &mut |_, _| {}).map_err(|error| error.to_string())?;
     }
     Ok(OpenedMap { map, fit, session })
+}
+
+/// Reads the textures that a mesh file brings: its normals as the map and, unless another is named, its colour.
+fn read_textures(path: &Path, options: &MapOptions) -> Result<OpenedMap, Refused> {
+    let texture = |role| import::texture(path, role).map_err(|error| error.to_string());
+    let normals = texture(TextureRole::Normal)?;
+    let scale = options.slope_scale.or((normals.scale != 1.0).then_some(normals.scale));
+    let options = MapOptions { slope_scale: scale, ..options.clone() };
+    let mut map = NormalMap::read_bytes(&path.display().to_string(), &normals.bytes, &options)?;
+    let own_color = options.color.is_none().then(|| import::texture(path, TextureRole::BaseColor).ok()).flatten();
+    match own_color {
+        Some(color) => {
+            let name = format!("{} (base colour)", path.display());
+            let image = image_io::decode_bytes(&name, &color.bytes).map_err(|error| error.to_string())?;
+            map.wear_color(&image);
+        }
+        None => map.read_color(&options).map_err(|error| error.to_string())?,
+    }
+    Ok(map.into())
 }
 
 fn read_file(path: &Path, options: &MapOptions) -> Result<OpenedMap, Refused> {

@@ -10,6 +10,7 @@ mod fit;
 mod gpu;
 mod house;
 mod lobes_exr;
+mod meshes;
 mod objectives;
 mod opening;
 mod refit;

@@ -17,6 +17,7 @@ pub const BUNDLED: &str = "Open bundled map";
 pub fn actions() -> Vec<Action> {
     let mut actions = vec![
         Action::new(Menu::File, "open", "Open…", |_| Some(Command::OpenDialog)).key(Modifiers::COMMAND, Key::O),
+        Action::new(Menu::File, "open-mesh", "Open mesh…", |_| Some(Command::OpenMeshDialog)),
         Action::new(Menu::File, "reload-map", "Reload map", |facts| {
             let map = facts.session.map();
             matches!(map.source, MapSource::File(_)).then(|| Command::Reopen(map.options.clone()))

@@ -13,13 +13,13 @@ use crate::filter::LevelChoice;
 use crate::filter::vmf::{Alignment, EStep, FitSettings, Objective, Selection};
 use crate::lit_surface::LitSurface;
 use crate::normal_map::{Addressing, GreenChannel, MapSource};
-use crate::scene::ShapeKind;
 use crate::sphere::vmf::KappaRule;
 
 mod doctor;
 mod level_figures;
 mod light;
 mod parameters;
+mod shape;
 mod sky;
 use parameters as p;
 
@@ -43,7 +43,8 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         sky::show(ui, context, &mut surface.sky);
         rule(ui);
         heading(ui, "Surface");
-        shape(ui, &mut surface, context.session.map().level_sizes().len());
+        shape::show(ui, context, &mut surface.shape);
+        seeing(ui, &mut surface, context.session.map().level_sizes().len());
         truth_samples(ui, context);
         ui.add_space(2.0 * theme::GRID);
         if surface != context.session.surface {
@@ -274,16 +275,8 @@ fn color(ui: &mut Ui, name: &str, value: &mut Vec3) {
     }
 }
 
-fn shape(ui: &mut Ui, surface: &mut LitSurface, levels: usize) {
-    let kinds = ShapeKind::ALL.map(|kind| (kind, kind.label()));
-    ui.horizontal(|ui| {
-        label(ui, "Shape");
-        super::segmented(ui, "Shape", &mut surface.shape.kind, &kinds);
-    });
-    let [mut across, mut down] = surface.shape.tiling;
-    if p::TILING_U.show_f32(ui, &mut across) | p::TILING_V.show_f32(ui, &mut down) {
-        surface.shape.tiling = [across, down];
-    }
+/// What is seen of the surface: levels, probes, exposure.
+fn seeing(ui: &mut Ui, surface: &mut LitSurface, levels: usize) {
     level(ui, &mut surface.level, levels);
     let mut probes = surface.anisotropy as usize;
     if !matches!(surface.level, LevelChoice::Fixed(_)) && p::ANISOTROPY.show_count(ui, &mut probes) {

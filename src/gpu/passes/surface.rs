@@ -1,7 +1,5 @@
 //! Draws the lit surface by one method into a picture of its own, in linear light with depth.
 
-use std::collections::HashMap;
-
 use super::environment::EnvironmentPass;
 use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::rival::RivalKind;
@@ -15,7 +13,7 @@ use crate::gpu::surface_pipelines::{SurfacePipelines, Variant};
 use crate::gpu::textures::MapTextures;
 use crate::lighting::{Light, MAX_LIGHTS};
 use crate::lit_surface::LitSurface;
-use crate::scene::ShapeKind;
+use crate::scene::{Mesh, Shape};
 
 /// The format of the pictures: 32-bit floats, which means of many samples need, bit for bit in unsigned integers, which
 /// every adapter can draw to.
@@ -60,8 +58,8 @@ pub struct FrameData {
     pub diffuse_color: [f32; 3],
     /// Kd.
     pub diffuse: f32,
-    /// Repeats along u and v.
-    pub tiling: [f32; 2],
+    /// Where the map is read, from the surface's own texture coordinates; by columns.
+    pub uv_from_surface: [[f32; 2]; 2],
     /// Texels of the map's base level.
     pub base_size: [f32; 2],
     /// Levels that `vmf` may read.
@@ -90,8 +88,6 @@ pub struct FrameData {
     pub fixed_level: f32,
     /// Lights in use.
     pub light_count: u32,
-    /// Nothing.
-    pub padding: [u32; 2],
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
     /// The lights.
@@ -149,7 +145,7 @@ impl FrameData {
             specular: material.specular,
             diffuse_color: material.diffuse_color.to_array(),
             diffuse: material.diffuse,
-            tiling: surface.shape.tiling,
+            uv_from_surface: surface.shape.uv_from_surface().to_cols_array_2d(),
             ..Self::default()
         }
     }
@@ -162,7 +158,7 @@ impl FrameData {
     }
 }
 
-/// Pipelines, meshes and constants.
+/// Pipelines, the mesh and constants.
 #[derive(Debug)]
 pub struct SurfacePass {
     pipelines: SurfacePipelines,
@@ -174,7 +170,7 @@ pub struct SurfacePass {
     environment: EnvironmentPass,
     mean_layout: wgpu::BindGroupLayout,
     rival_layout: wgpu::BindGroupLayout,
-    meshes: HashMap<ShapeKind, MeshBuffers>,
+    mesh: Option<(Shape, MeshBuffers)>,
 }
 
 /// What a method reads beside the map.
@@ -238,7 +234,7 @@ impl SurfacePass {
             environment: EnvironmentPass::new(device),
             mean_layout,
             rival_layout,
-            meshes: HashMap::new(),
+            mesh: None,
         }
     }
 
@@ -275,8 +271,10 @@ impl SurfacePass {
             self.environment.set_sky(device, self.sky.texels());
         }
         self.environment.prepare(queue, surface, size);
-        let kind = surface.shape.kind;
-        self.meshes.entry(kind).or_insert_with(|| MeshBuffers::new(device, queue, kind));
+        let shape = &surface.shape;
+        if self.mesh.as_ref().is_none_or(|(held, _)| !held.has_mesh_of(shape)) {
+            self.mesh = Some((shape.clone(), MeshBuffers::new(device, queue, &shape.mesh())));
+        }
     }
 
     /// Makes sure of the pipelines of `methods` for what they will draw next.
@@ -285,17 +283,17 @@ impl SurfacePass {
         self.pipelines.make(device, methods, variant);
     }
 
-    /// Draws `kind` by `method` into `target`, and notes when where that is wanted.
+    /// Draws the shape last prepared by `method` into `target`, and notes when where that is wanted.
     pub fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        (kind, method): (ShapeKind, Method),
+        method: Method,
         map: &MapTextures,
         target: &Target,
         reads: Reads<'_>,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
-        let (Some(mesh), Some(pipeline)) = (self.meshes.get(&kind), self.pipelines.get(method, self.variant)) else {
+        let (Some((_, mesh)), Some(pipeline)) = (&self.mesh, self.pipelines.get(method, self.variant)) else {
             return;
         };
         let mut pass = begin(encoder, target, timestamps);
@@ -321,8 +319,7 @@ impl SurfacePass {
 }
 
 impl MeshBuffers {
-    fn new(device: &wgpu::Device, queue: &wgpu::Queue, kind: ShapeKind) -> Self {
-        let mesh = kind.mesh();
+    fn new(device: &wgpu::Device, queue: &wgpu::Queue, mesh: &Mesh) -> Self {
         let buffer = |label, bytes: &[u8], usage| {
             let size = bytes.len() as u64;
             let usage = usage | wgpu::BufferUsages::COPY_DST;

@@ -46,7 +46,7 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         specular,
         diffuse_color,
         diffuse,
-        tiling,
+        uv_from_surface,
         base_size,
         vmf_lods,
         base_level,
@@ -61,7 +61,6 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         most_probes,
         fixed_level,
         light_count,
-        padding,
         fold,
         lights,
     });

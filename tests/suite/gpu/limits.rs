@@ -52,7 +52,7 @@ fn levels_beyond_the_adapters_limit_are_left_out_and_the_others_drawn_right() {
     let map = maps::with_color(maps::rough(400, 300, Addressing::Wrap), maps::any_color);
     for (kind, distance) in [(ShapeKind::Plane, 1.2), (ShapeKind::Torus, 3.2)] {
         let mut scene = Scene::new(map.clone(), 3);
-        scene.surface.shape = Shape { kind, tiling: [1.0, 1.0] };
+        scene.surface.shape = Shape { tiling: [1.0, 1.0], ..Shape::of_kind(kind) };
         scene.surface.camera.distance = distance;
         let coarsest = scene.full_lod_range()[1];
         let vmf = VmfFilter { lobes: Arc::new(scene.lobes.clone()), fold: Fold::default(), rules: Rules::default() };

@@ -13,7 +13,7 @@ use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame};
 use ndf_inspector::lighting::Light;
 use ndf_inspector::normal_map::Addressing;
 use ndf_inspector::reference::{self, Picture, normalised_color_error};
-use ndf_inspector::scene::{Shape, ShapeKind};
+use ndf_inspector::scene::{Model, Shape, ShapeKind};
 use std::sync::Arc;
 
 use super::{Scene, gpu, maps};
@@ -96,14 +96,38 @@ fn assert_twins_everywhere(method: Method) {
     let plain = maps::rough(64, 64, Addressing::Wrap);
     let colored = maps::with_color(plain.clone(), maps::any_color);
     for (map, what) in [(plain, "plain"), (colored, "coloured")] {
-        for kind in ShapeKind::ALL {
+        for kind in ShapeKind::BUILT_IN {
             for distance in [1.2, 3.2, 12.0] {
                 let mut scene = Scene::new(map.clone(), 6);
-                scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
+                scene.surface.shape = Shape { tiling: [2.0, 2.0], ..Shape::of_kind(kind) };
                 scene.surface.camera.distance = distance;
                 assert_twins(&scene, method, &format!("{method}, {what} {kind:?} at {distance}"));
             }
         }
+    }
+}
+
+/// Every way that a map may lie on a surface, a left-handed one too.
+#[test]
+fn tiled_sheared_turned_and_mirrored_maps_have_twins() {
+    for (kind, mirrored) in [(ShapeKind::Torus, false), (ShapeKind::Teapot, true), (ShapeKind::MonkeySaddle, true)] {
+        let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 6);
+        let shape = Shape { radii: [0.8, 0.25], tiling: [6.0, 3.0], shear: 0.4, ..Shape::of_kind(kind) };
+        scene.surface.shape = Shape { turn_deg: 30.0, mirrored, ..shape };
+        for method in [Method::Truth, Method::Vmf] {
+            assert_twins(&scene, method, &format!("{method} on {kind:?}, turned"));
+        }
+    }
+}
+
+#[test]
+fn a_mesh_from_a_file_has_a_twin() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = crate::meshes::files::Roof::new(16).write_glb(folder.path());
+    let mut scene = Scene::new(maps::rough(64, 64, Addressing::Wrap), 6);
+    scene.surface.wear_on(Arc::new(Model::read(&path).expect("sound")));
+    for method in methods() {
+        assert_twins(&scene, method, &format!("{method} on a mirrored mesh"));
     }
 }
 
@@ -181,7 +205,7 @@ fn maps_of_any_size_and_either_addressing_have_twins() {
     {
         for method in methods() {
             let mut scene = Scene::new(maps::rough(width, height, addressing), 3);
-            scene.surface.shape = Shape { kind: ShapeKind::Sphere, tiling: [3.0, 2.0] };
+            scene.surface.shape = Shape { tiling: [3.0, 2.0], ..Shape::of_kind(ShapeKind::Sphere) };
             assert_twins(&scene, method, &format!("{method} of {width}x{height}, {addressing:?}"));
         }
     }
@@ -217,10 +241,10 @@ fn the_papers_multipliers_have_a_twin_and_so_have_soft_and_sharp_materials() {
 
 #[test]
 fn the_exact_rules_have_twins_on_every_shape() {
-    for kind in ShapeKind::ALL {
+    for kind in ShapeKind::BUILT_IN {
         for method in [Method::Vmf, Method::VmfUnaligned] {
             let mut scene = Scene::new(maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color), 6);
-            scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
+            scene.surface.shape = Shape { tiling: [2.0, 2.0], ..Shape::of_kind(kind) };
             scene.surface.material.convolution = ConvolutionRule::Exact;
             scene.surface.material.diffuse_rule = DiffuseRule::Exact;
             // Low, so that the horizon is seen, where the two diffuse rules differ most.

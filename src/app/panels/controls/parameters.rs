@@ -9,12 +9,14 @@ use crate::filter::vmf::{Alignment, Objective, Selection};
 use crate::lighting::sky_harmonics::MOST_BANDS;
 use crate::lighting::{Light, Sky};
 use crate::normal_map::MapOptions;
+use crate::scene::Shape;
 use crate::session::Session;
 
 const MATERIAL: Material = Material::DEFAULT;
 const LIGHT: Light = Light::DEFAULT;
 /// Of a light that becomes a point light: outside every shape.
 pub(super) const DEFAULT_LIGHT_DISTANCE: f32 = 2.5;
+const SHAPE_DEFAULT: Shape = Shape::DEFAULT;
 
 /// A dimensionless parameter on a linear scale.
 const PLAIN: Parameter =
@@ -23,6 +25,10 @@ const PLAIN: Parameter =
 pub(super) const GREEN: &str = "Which way the green channel points: up the image (OpenGL) or down (DirectX).";
 pub(super) const TWO_CHANNEL: &str = "Takes z from x and y, whatever the third channel holds.";
 pub(super) const HEIGHTS: &str = "Reads the image as heights and takes the normals from their slope.";
+pub(super) const SHAPE: &str = "What wears the map. A mesh is read from an OBJ, glTF or GLB file.";
+pub(super) const MESH: &str = "Opens an OBJ, glTF or GLB file as the surface. A normal texture that it brings becomes \
+                               the map.";
+pub(super) const MIRRORED: &str = "Mirrors the map, left for right: the frames become left-handed, the relief stays.";
 pub(super) const EDGES: &str = "What lies beyond an edge of the map.";
 pub(super) const KAPPA: &str = "How a lobe's concentration follows from its mean length: the exact inverse of \
                                 A(kappa) = coth(kappa) - 1/kappa, or the papers' closed form, up to 5 % off.";
@@ -275,6 +281,34 @@ pub(super) const EXPOSURE: Parameter = Parameter {
     tooltip: "Stops: each doubles the picture's linear values.",
     ..PLAIN
 };
+pub(super) const RING_RADIUS: Parameter = Parameter {
+    name: "Ring radius a",
+    range: [0.1, 1.5],
+    default: SHAPE_DEFAULT.radii[0] as f64,
+    tooltip: "From the torus's middle to that of its tube.",
+    ..PLAIN
+};
+pub(super) const TUBE_RADIUS: Parameter = Parameter {
+    name: "Tube radius b",
+    range: [0.02, 0.75],
+    default: SHAPE_DEFAULT.radii[1] as f64,
+    tooltip: "Of the torus's tube; always less than the ring's.",
+    ..PLAIN
+};
+pub(super) const SHEAR: Parameter = Parameter {
+    name: "Shear",
+    range: [-2.0, 2.0],
+    tooltip: "How far each row of the tiled map is shifted sideways, per unit of height.",
+    ..PLAIN
+};
+pub(super) const TURN: Parameter = Parameter {
+    name: "Turn",
+    range: [-180.0, 180.0],
+    unit: "°",
+    decimals: 1,
+    tooltip: "Turns the texture coordinates counter-clockwise, after tiling and shear; the map turns the other way.",
+    ..PLAIN
+};
 pub(super) const TRUTH_SAMPLES: Parameter = Parameter {
     name: "Truth samples",
     range: [16.0, 65536.0],
@@ -310,6 +344,10 @@ mod tests {
             (TILING_U, f64::from(surface.shape.tiling[0])),
             (TILING_V, f64::from(surface.shape.tiling[1])),
             (EXPOSURE, f64::from(surface.exposure_stops)),
+            (RING_RADIUS, f64::from(surface.shape.radii[0])),
+            (TUBE_RADIUS, f64::from(surface.shape.radii[1])),
+            (SHEAR, f64::from(surface.shape.shear)),
+            (TURN, f64::from(surface.shape.turn_deg)),
         ];
         for (parameter, default) in pairs {
             assert!((parameter.default - default).abs() < 1e-6, "{}: {default}", parameter.name);

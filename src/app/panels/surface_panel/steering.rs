@@ -37,7 +37,7 @@ pub fn pick(context: &mut PanelContext<'_>, response: &Response, cells: &Cells) 
     let coarsest = (map.level_sizes().len() - 1) as f32;
     let levels = context.surroundings.target.status.get().lobe_levels.unwrap_or([0.0, coarsest]);
     if let Some(point) = raster::pick(surface, cells.cell_size(), cells.pixel(cell, position)) {
-        context.view.pinned_repeat = [point.uv.x, point.uv.y].map(|v| v.max(0.0) as u32);
+        context.view.pinned_repeat = [point.uv.x, point.uv.y].map(|v| v.floor() as i32);
         let texel = raster::texel_at(surface, map, &point, levels);
         context.push(Command::Select(texel));
     }

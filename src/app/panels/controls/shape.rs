@@ -1,0 +1,77 @@
+//! The controls of what wears the map: shape, mesh, and how the map lies on it.
+
+use std::path::PathBuf;
+
+use egui::{RichText, TextEdit, Ui};
+
+use super::PanelContext;
+use super::parameters as p;
+use crate::app::parameter::{choice, label};
+use crate::app::{Command, theme};
+use crate::scene::{Shape, ShapeKind};
+
+/// Shows the shape, its own parameters and those of the map on it.
+pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &mut Shape) {
+    let mut kinds = ShapeKind::BUILT_IN.map(|kind| (kind, kind.label().to_owned())).to_vec();
+    if let Some(model) = &shape.model {
+        kinds.push((ShapeKind::Mesh, model.name()));
+    }
+    let kinds: Vec<(ShapeKind, &str)> = kinds.iter().map(|(kind, name)| (*kind, name.as_str())).collect();
+    if let Some(kind) = choice(ui, "Shape", p::SHAPE, shape.kind, &kinds) {
+        shape.kind = kind;
+    }
+    mesh(ui, context, shape);
+    if shape.kind == ShapeKind::Torus {
+        radii(ui, &mut shape.radii);
+    }
+    texture(ui, shape);
+}
+
+/// Opens a mesh, and says what is odd about the one that is shown.
+fn mesh(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &Shape) {
+    ui.horizontal(|ui| {
+        let width = ui.available_width() - 62.0;
+        let field = TextEdit::singleline(&mut context.view.typed_mesh_path).hint_text("Path of a mesh, or drop one");
+        let response = ui.add_sized([width, theme::ROW], field).accessible_name("Path of a mesh");
+        let entered = response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        if entered && !context.view.typed_mesh_path.trim().is_empty() {
+            context.push(Command::OpenMesh(PathBuf::from(context.view.typed_mesh_path.trim())));
+        }
+        let open = egui::Button::new("Open…");
+        if ui.add_sized([56.0, theme::ROW], open).accessible_name("Open a mesh").on_hover_text(p::MESH).clicked() {
+            context.push(Command::OpenMeshDialog);
+        }
+    });
+    let Some(model) = shape.model.as_ref().filter(|_| shape.kind == ShapeKind::Mesh) else { return };
+    let triangles = model.mesh.indices.len() / 3;
+    ui.label(RichText::new(format!("{triangles} triangles")).small().color(theme::WEAK));
+    for warning in &model.warnings {
+        let text = RichText::new(format!("{warning}.")).small().color(theme::WARNING);
+        ui.add(egui::Label::new(text).wrap());
+    }
+}
+
+/// The torus's radii; the tube stays thinner than the ring.
+fn radii(ui: &mut Ui, radii: &mut [f32; 2]) {
+    let [ring, tube] = radii;
+    let ring_moved = p::RING_RADIUS.show_f32(ui, ring);
+    let tube_moved = p::TUBE_RADIUS.show_f32(ui, tube);
+    if ring_moved {
+        *tube = tube.min(0.99 * *ring);
+    } else if tube_moved {
+        *ring = ring.max(*tube / 0.99);
+    }
+}
+
+fn texture(ui: &mut Ui, shape: &mut Shape) {
+    let [mut across, mut down] = shape.tiling;
+    if p::TILING_U.show_f32(ui, &mut across) | p::TILING_V.show_f32(ui, &mut down) {
+        shape.tiling = [across, down];
+    }
+    p::SHEAR.show_f32(ui, &mut shape.shear);
+    p::TURN.show_f32(ui, &mut shape.turn_deg);
+    ui.horizontal(|ui| {
+        label(ui, "Orientation");
+        ui.checkbox(&mut shape.mirrored, "mirrored").on_hover_text(p::MIRRORED);
+    });
+}

@@ -1,0 +1,61 @@
+//! A mesh that was read from a file, ready to be drawn.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::import::{self, ImportError};
+use super::mesh::Mesh;
+use super::tangent_frame;
+
+/// A mesh, and what its file says of its material.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Where it was read from.
+    pub path: PathBuf,
+    /// Its triangles, within the unit sphere, z up.
+    pub mesh: Arc<Mesh>,
+    /// Linear RGB that the file gives the whole surface.
+    pub base_color: Option<Vec3>,
+    /// True where the file brings a normal texture, which is then the map.
+    pub has_normal_map: bool,
+    /// What was odd about the file, each a sentence without a full stop.
+    pub warnings: Vec<String>,
+}
+
+/// Two models are the same where they are one and the same: comparing half a million vertices is not worth it.
+impl PartialEq for Model {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.mesh, &other.mesh)
+    }
+}
+
+impl Model {
+    /// Reads an OBJ, glTF or GLB file.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn read(path: &Path) -> Result<Self, ImportError> {
+        let imported = import::read(path)?;
+        let mut warnings = Vec::new();
+        if imported.soup.dropped > 0 {
+            let (dropped, all) = (imported.soup.dropped, imported.soup.dropped + imported.soup.triangles.len());
+            warnings.push(format!("{dropped} of {all} triangles have no area and were left out"));
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            mesh: Arc::new(tangent_frame::mikktspace(&imported.soup)),
+            base_color: imported.base_color,
+            has_normal_map: imported.has_normal_map,
+            warnings,
+        })
+    }
+
+    /// The file's name.
+    pub fn name(&self) -> String {
+        self.path
+            .file_name()
+            .map_or_else(|| self.path.display().to_string(), |name| name.to_string_lossy().into_owned())
+    }
+}

@@ -1,0 +1,141 @@
+//! Tangent frames of a mesh's vertices.
+//!
+//! MikkTSpace (M. S. Mikkelsen, *Simulation of Wrinkled Surfaces Revisited*, 2008, section 3.3, as he published it
+//! later) is what most tools bake normal maps for. It wants texture coordinates with v up.
+
+use std::collections::HashMap;
+
+use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
+use glam::Vec3;
+
+use super::mesh::{Mesh, Vertex};
+use super::soup::Soup;
+
+/// The mesh of a soup of triangles with MikkTSpace's frames; equal corners share a vertex.
+pub fn mikktspace(soup: &Soup) -> Mesh {
+    let mut frames = Frames { soup, of_corners: vec![None; 3 * soup.triangles.len()] };
+    if let Err(error) = generate_tangents(&mut frames) {
+        // The library knows no error yet; corners without a frame get any.
+        log::warn!("no tangent frames: {error}");
+    }
+    let corners = soup.triangles.iter().flatten();
+    welded(corners.zip(&frames.of_corners).map(|(&index, frame)| vertex(soup, index, frame.as_ref())))
+}
+
+struct Frames<'a> {
+    soup: &'a Soup,
+    of_corners: Vec<Option<TangentSpace>>,
+}
+
+impl Frames<'_> {
+    fn corner(&self, face: usize, corner: usize) -> usize {
+        self.soup.triangles[face][corner] as usize
+    }
+}
+
+impl Geometry for Frames<'_> {
+    fn num_faces(&self) -> usize {
+        self.soup.triangles.len()
+    }
+
+    fn num_vertices_of_face(&self, _face: usize) -> usize {
+        3
+    }
+
+    fn position(&self, face: usize, corner: usize) -> [f32; 3] {
+        self.soup.positions[self.corner(face, corner)].to_array()
+    }
+
+    fn normal(&self, face: usize, corner: usize) -> [f32; 3] {
+        self.soup.normals[self.corner(face, corner)].to_array()
+    }
+
+    fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
+        let uv = self.soup.uvs[self.corner(face, corner)];
+        [uv.x, 1.0 - uv.y]
+    }
+
+    fn set_tangent(&mut self, tangent_space: Option<TangentSpace>, face: usize, corner: usize) {
+        self.of_corners[3 * face + corner] = tangent_space;
+    }
+}
+
+/// A corner with its frame. The bitangent is MikkTSpace's, `normal x tangent` with the sign of the orientation; where
+/// it found no frame, the texture has no direction there and any will do.
+fn vertex(soup: &Soup, index: u32, frame: Option<&TangentSpace>) -> Vertex {
+    let index = index as usize;
+    let normal = soup.normals[index];
+    let (tangent, lengths, orientation) = match frame {
+        Some(frame) => {
+            let orientation = if frame.is_orientation_preserving() { 1.0 } else { -1.0 };
+            let lengths = [frame.tangent_magnitude(), frame.bi_tangent_magnitude()];
+            (Vec3::from(frame.tangent()).normalize_or(normal.any_orthonormal_vector()), lengths, orientation)
+        }
+        None => (normal.any_orthonormal_vector(), [1.0; 2], 1.0),
+    };
+    let bitangent = orientation * normal.cross(tangent).normalize_or_zero();
+    Vertex {
+        position: soup.positions[index].to_array(),
+        normal: normal.to_array(),
+        along_u: tangent.extend(lengths[0]).to_array(),
+        along_t: bitangent.extend(lengths[1]).to_array(),
+        uv: soup.uvs[index].to_array(),
+    }
+}
+
+/// Three corners a triangle as a mesh in which equal ones share a vertex.
+fn welded(corners: impl Iterator<Item = Vertex>) -> Mesh {
+    let mut mesh = Mesh::default();
+    let mut known = HashMap::new();
+    for vertex in corners {
+        let next = mesh.vertices.len() as u32;
+        let index = *known.entry(bytemuck::cast::<Vertex, [u32; 16]>(vertex)).or_insert(next);
+        if index == next {
+            mesh.vertices.push(vertex);
+        }
+        mesh.indices.push(index);
+    }
+    mesh
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::mesh::Tangents;
+    use crate::scene::soup::tests::mirrored_roof;
+    use glam::Mat2;
+
+    #[test]
+    fn frames_on_both_sides_of_a_mirror_are_mirror_images() {
+        let mesh = mikktspace(&mirrored_roof());
+        let halfway_on = |side: f32| {
+            let found = mesh.vertices.iter().filter(move |v| v.uv[0] == 0.5 && side * v.position[0] > 0.0);
+            found.map(|v| (*v, v.tangents(Mat2::IDENTITY))).collect::<Vec<_>>()
+        };
+        let [left, right] = [halfway_on(-1.0), halfway_on(1.0)];
+        assert!(!left.is_empty() && left.len() == right.len());
+        for (vertex, Tangents { tangent, bitangent }) in left {
+            let normal = Vec3::from(vertex.normal);
+            assert!(normal.cross(tangent).dot(bitangent) > 0.99, "not mirrored here");
+            let mirror = Vec3::new(-1.0, 1.0, 1.0);
+            let twin = right.iter().any(|(other, frame)| {
+                let alike = |a: Vec3, b: Vec3| (mirror * a - b).length() < 1e-5;
+                alike(normal, other.normal.into())
+                    && alike(tangent, frame.tangent)
+                    && alike(bitangent, frame.bitangent)
+                    && Vec3::from(other.normal).cross(frame.tangent).dot(frame.bitangent) < -0.99
+            });
+            assert!(twin, "{vertex:?} has no twin");
+        }
+    }
+
+    #[test]
+    fn equal_corners_share_a_vertex_and_the_mirror_splits_its_line() {
+        let soup = mirrored_roof();
+        let mesh = mikktspace(&soup);
+        assert_eq!(mesh.indices.len(), 3 * soup.triangles.len());
+        // The vertices on the mirror's line carry a frame for either side.
+        let on_the_line = soup.positions.iter().filter(|p| p.x.abs() < 1e-6).count();
+        assert_eq!(mesh.vertices.len(), soup.positions.len() + on_the_line);
+    }
+}
