@@ -1,6 +1,7 @@
 //! The command line: what can be asked for, and the way it is carried out.
 
 pub mod adapters;
+pub mod bump;
 pub mod compare;
 pub mod doctor;
 pub mod export;
@@ -60,6 +61,8 @@ pub enum Command {
     Screenshot(screenshot::ScreenshotCommand),
     /// What a file says of how it should be read, and whether it is read so.
     Doctor(doctor::DoctorCommand),
+    /// A height map on a parametric surface: lit by the exact normal or by Blinn's, or what sets the two apart.
+    Bump(bump::BumpCommand),
     /// Write results for other programs.
     Export(export::ExportCommand),
     /// Write a bundled map, or list them.
@@ -106,6 +109,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Render(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Screenshot(command) => command.run(),
+        Command::Bump(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Sample(command) => command.run(),
         Command::Adapters => adapters::run(),

@@ -118,6 +118,27 @@ pub struct RegionView {
     pub drawn_from: Option<(egui::Rect, [f32; 2])>,
 }
 
+/// Both normals of a bump-mapped surface, as needles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct NeedlesView {
+    /// Whether they are drawn.
+    pub shown: bool,
+    /// What a height of 1 is, in the surface's own units.
+    pub scale: f32,
+}
+
+impl NeedlesView {
+    /// Mikkelsen's middle scale.
+    pub const DEFAULT: Self = Self { shown: false, scale: 0.0625 };
+}
+
+impl Default for NeedlesView {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
 /// The whole view.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -146,6 +167,8 @@ pub struct ViewState {
     /// Whether the camera runs away and back.
     #[serde(skip)]
     pub dolly: Dolly,
+    /// Both normals of a relief, on the surface.
+    pub needles: NeedlesView,
     /// Whether the trace of the selected texel's fit is shown.
     pub show_trace: bool,
     /// Whether all findings of the import doctor are shown, or the doubtful ones only.

@@ -13,7 +13,7 @@ use crate::filter::probes::MOST_PROBES;
 use crate::lighting::sky_harmonics::MOST_BANDS;
 use crate::lighting::{Light, Lights, Sky, SkySource};
 use crate::lit_surface::LitSurface;
-use crate::scene::{Model, Shape, ShapeKind};
+use crate::scene::{FrameRule, Model, Shape, ShapeKind};
 
 /// The surface, its material and the level it reads.
 #[derive(Args, Clone, Debug, Default)]
@@ -42,6 +42,10 @@ pub struct LookArguments {
     /// Degrees that the texture coordinates are turned by, counter-clockwise.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub turn: Option<f32>,
+    /// The frames of a mesh: mikktspace; grouped or grouped:DEGREES, by Mikkelsen's four rules, averaging only what lies
+    /// within so many degrees.
+    #[arg(long, value_name = "RULE")]
+    pub frames: Option<FrameRule>,
     /// Mirror the map, left for right.
     #[arg(long)]
     pub mirror: bool,
@@ -159,6 +163,7 @@ impl LookArguments {
             radii: self.radii.unwrap_or(shape.radii),
             tiling: self.tiling.unwrap_or(shape.tiling),
             shear: self.shear.unwrap_or(shape.shear),
+            frames: self.frames.unwrap_or(shape.frames),
             turn_deg: self.turn.unwrap_or(shape.turn_deg),
             mirrored: self.mirror || shape.mirrored,
             ..shape.clone()

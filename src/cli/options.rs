@@ -7,6 +7,7 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::rules::Slopes;
 use crate::filter::vmf::{Alignment, EStep, FitSettings, LobeCount, Objective};
 use crate::image_io::write_bytes_atomically;
 use crate::normal_map::{Addressing, GreenChannel, MapOptions, StoredZ};
@@ -22,6 +23,9 @@ pub struct MapArguments {
     /// Read the image as heights, scaled by SCALE.
     #[arg(long = "height", value_name = "SCALE")]
     pub height_scale: Option<f32>,
+    /// How slopes are taken from heights.
+    #[arg(long, value_enum)]
+    pub slopes: Option<Slopes>,
     /// Take z from x and y: the same as --z none.
     #[arg(long, conflicts_with = "z")]
     pub two_channel: bool,
@@ -113,6 +117,7 @@ impl MapArguments {
             srgb: self.encoding.map_or(base.srgb, |encoding| encoding == Encoding::Srgb),
             object_space: self.space.map_or(base.object_space, |space| space == Space::Object),
             height_scale: self.height_scale.or(base.height_scale),
+            slopes: self.slopes.map_or(base.slopes, Slopes::kernel),
             slope_scale: base.slope_scale,
             color: self.color.clone().or(base.color),
         }

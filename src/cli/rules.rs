@@ -1,8 +1,9 @@
-//! The rules of convolution by name, as options have them.
+//! The rules of convolution and of slopes by name, as options have them.
 
 use clap::ValueEnum;
 
 use crate::brdf::{ConvolutionRule, DiffuseRule};
+use crate::normal_map::SlopeKernel;
 
 /// How a lobe and Blinn-Phong are convolved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -17,6 +18,25 @@ pub enum Convolution {
     Moment,
     /// The convolution itself, a Legendre series.
     Exact,
+}
+
+/// How slopes are taken from heights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Slopes {
+    /// Central differences.
+    Central,
+    /// Sobel's kernels, smoothed across the slope.
+    Sobel,
+}
+
+impl Slopes {
+    /// The kernel of this name.
+    pub fn kernel(self) -> SlopeKernel {
+        match self {
+            Self::Central => SlopeKernel::Central,
+            Self::Sobel => SlopeKernel::Sobel,
+        }
+    }
 }
 
 /// How a lobe reflects diffusely.

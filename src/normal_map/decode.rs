@@ -153,7 +153,7 @@ fn fill_row([x, y, z]: [&mut [f32]; 3], decode: impl Fn(usize) -> Option<(DVec3,
 
 fn from_heights(image: RasterImage, source: MapSource, options: &MapOptions, scale: f64) -> NormalMap {
     let in_color = image.color_channels() > 1 && !is_greyscale(&image);
-    let normals = HeightMap::from_image(&image).normals(scale, options.addressing);
+    let normals = HeightMap::from_image(&image).normals(scale, options.addressing, options.slopes);
     let mut map = NormalMap::unfilled(image, source, options);
     map.fill(|texel| normals[texel].map(|normal| (normal, 1.0)));
     if in_color {

@@ -19,6 +19,7 @@ use crate::image_io::{RasterImage, ReadImageError, SampleDepth, Samples};
 use albedo::Albedo;
 pub use decode::{DecodeError, OpenError};
 pub use diagnose::{Diagnosis, Warning};
+pub use height::SlopeKernel;
 
 /// The convention of a file's green channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -73,6 +74,8 @@ pub struct MapOptions {
     pub object_space: bool,
     /// Reads the image as heights, scaled by this factor (in texel widths per full range), instead of as normals.
     pub height_scale: Option<f32>,
+    /// How slopes are taken from heights.
+    pub slopes: SlopeKernel,
     /// Multiplies the x and y of every normal, and with them the slopes, before it is normalised.
     pub slope_scale: Option<f32>,
     /// An image of the surface's colour, fitted along.

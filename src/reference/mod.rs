@@ -1,6 +1,7 @@
 //! The processor's own picture of the lit surface, pixel for pixel what the graphics adapter should draw, the
-//! figures by which pictures are judged, the oracle of the sampled truth, and the picture of an NDF.
+//! figures by which pictures are judged, the oracle of the sampled truth, bump mapping, and the picture of an NDF.
 
+pub mod bump_picture;
 pub mod exact_coverage;
 pub mod figures;
 pub mod flip;

@@ -118,6 +118,15 @@ impl Mesh {
         self.indices.chunks_exact(3).map(|corner| std::array::from_fn(|i| &self.vertices[corner[i] as usize]))
     }
 
+    /// Vertices that differ from another in their frame alone: where textures meet that do not go on smoothly.
+    pub fn splits(&self) -> usize {
+        let place = |vertex: &Vertex| {
+            bytemuck::cast::<Vertex, [u32; 16]>(Vertex { along_u: [0.0; 4], along_t: [0.0; 4], ..*vertex })
+        };
+        let places: std::collections::HashSet<_> = self.vertices.iter().map(place).collect();
+        self.vertices.len() - places.len()
+    }
+
     /// Position and normal of the first point that has these texture coordinates, if any has.
     pub fn point_at(&self, uv: Vec2) -> Option<[Vec3; 2]> {
         self.triangles().find_map(|corners| {

@@ -1,6 +1,8 @@
 //! What is looked at and from where: shapes, their meshes, the camera.
 
+pub mod bump;
 pub mod camera;
+pub mod frame_groups;
 pub mod import;
 pub mod jet;
 pub mod mesh;
@@ -19,3 +21,4 @@ pub use mesh::{Mesh, Vertex};
 pub use model::Model;
 pub use shapes::{Shape, ShapeKind};
 pub use sphere_orbit::SphereOrbit;
+pub use tangent_frame::FrameRule;

@@ -1,13 +1,14 @@
 //! A mesh that was read from a file, ready to be drawn.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::Vec3;
 
 use super::import::{self, ImportError};
 use super::mesh::Mesh;
-use super::tangent_frame;
+use super::soup::Soup;
+use super::tangent_frame::FrameRule;
 
 /// A mesh, and what its file says of its material.
 #[derive(Clone, Debug)]
@@ -15,7 +16,9 @@ pub struct Model {
     /// Where it was read from.
     pub path: PathBuf,
     /// Its triangles, within the unit sphere, z up.
-    pub mesh: Arc<Mesh>,
+    pub soup: Arc<Soup>,
+    /// The mesh last asked for, and the rule of its frames.
+    meshes: Arc<Mutex<(FrameRule, Arc<Mesh>)>>,
     /// Linear RGB that the file gives the whole surface.
     pub base_color: Option<Vec3>,
     /// True where the file brings a normal texture, which is then the map.
@@ -27,7 +30,7 @@ pub struct Model {
 /// Two models are the same where they are one and the same: comparing half a million vertices is not worth it.
 impl PartialEq for Model {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.mesh, &other.mesh)
+        Arc::ptr_eq(&self.soup, &other.soup)
     }
 }
 
@@ -43,13 +46,25 @@ impl Model {
             let (dropped, all) = (imported.soup.dropped, imported.soup.dropped + imported.soup.triangles.len());
             warnings.push(format!("{dropped} of {all} triangles have no area and were left out"));
         }
+        let rule = FrameRule::default();
+        let mesh = Arc::new(rule.mesh(&imported.soup));
         Ok(Self {
             path: path.to_owned(),
-            mesh: Arc::new(tangent_frame::mikktspace(&imported.soup)),
+            soup: Arc::new(imported.soup),
+            meshes: Arc::new(Mutex::new((rule, mesh))),
             base_color: imported.base_color,
             has_normal_map: imported.has_normal_map,
             warnings,
         })
+    }
+
+    /// The triangles with a rule's frames; those of the rule asked for last are kept.
+    pub fn mesh(&self, rule: FrameRule) -> Arc<Mesh> {
+        let mut kept = self.meshes.lock().unwrap_or_else(PoisonError::into_inner);
+        if kept.0 != rule {
+            *kept = (rule, Arc::new(rule.mesh(&self.soup)));
+        }
+        Arc::clone(&kept.1)
     }
 
     /// The file's name.

@@ -2,11 +2,12 @@
 
 use std::sync::{Arc, OnceLock};
 
-use glam::Mat2;
+use glam::{DMat2, DVec2, Mat2};
 
 use super::jet::Jet;
 use super::mesh::{Mesh, Vertex};
 use super::model::Model;
+use super::tangent_frame::FrameRule;
 use super::{parametric, teapot};
 
 /// Which surface wears the map.
@@ -44,6 +45,8 @@ pub struct Shape {
     pub turn_deg: f32,
     /// Whether the map is mirrored, left for right.
     pub mirrored: bool,
+    /// The rule of a mesh's frames.
+    pub frames: FrameRule,
     /// The mesh, where the kind asks for one; a session file names its path.
     #[serde(skip)]
     pub model: Option<Arc<Model>>,
@@ -58,6 +61,7 @@ impl Shape {
         shear: 0.0,
         turn_deg: 0.0,
         mirrored: false,
+        frames: FrameRule::MikkTSpace,
         model: None,
     };
 }
@@ -135,7 +139,7 @@ impl Shape {
                 static TEAPOT: OnceLock<Arc<Mesh>> = OnceLock::new();
                 Arc::clone(TEAPOT.get_or_init(|| Arc::new(teapot::mesh())))
             }
-            (ShapeKind::Mesh, Some(model)) => Arc::clone(&model.mesh),
+            (ShapeKind::Mesh, Some(model)) => model.mesh(self.frames),
             _ => Arc::new(self.parametric_mesh()),
         }
     }
@@ -156,21 +160,24 @@ impl Shape {
     /// True where both shapes have the same triangles; the map may lie on them differently.
     pub fn has_mesh_of(&self, other: &Self) -> bool {
         let same_radii = self.kind != ShapeKind::Torus || self.radii == other.radii;
-        self.kind == other.kind && same_radii && (self.kind != ShapeKind::Mesh || self.model == other.model)
+        let same_model = self.kind != ShapeKind::Mesh || self.model == other.model && self.frames == other.frames;
+        self.kind == other.kind && same_radii && same_model
     }
 
-    /// Where the map is read, from the surface's own texture coordinates, v down in both.
-    ///
-    /// In Mikkelsen's order (2008, section 2.6.2), with t up: `(s, t) = R K S (u, t)`, first tiled (and mirrored), then
-    /// sheared, then turned. The origin is the surface's top left.
-    pub fn uv_from_surface(&self) -> Mat2 {
-        let [across, down] = self.tiling;
+    /// Where the map is read, from the surface's own coordinates, t up in both: `(s, t) = R K S (u, t)` in Mikkelsen's
+    /// order (2008, section 2.6.2), first tiled (and mirrored), then sheared, then turned. The origin is the top left.
+    pub fn texture_from_surface(&self) -> DMat2 {
+        let [across, down] = self.tiling.map(f64::from);
         let across = if self.mirrored { -across } else { across };
-        let tile = Mat2::from_cols_array_2d(&[[across, 0.0], [0.0, down]]);
-        let shear = Mat2::from_cols_array_2d(&[[1.0, 0.0], [self.shear, 1.0]]);
-        let turn = Mat2::from_angle(self.turn_deg.to_radians());
-        let flip = Mat2::from_cols_array_2d(&[[1.0, 0.0], [0.0, -1.0]]);
-        flip * turn * shear * tile * flip
+        let tile = DMat2::from_diagonal(DVec2::new(across, down));
+        let shear = DMat2::from_cols(DVec2::X, DVec2::new(self.shear.into(), 1.0));
+        DMat2::from_angle(f64::from(self.turn_deg).to_radians()) * shear * tile
+    }
+
+    /// The same for texture coordinates with v down.
+    pub fn uv_from_surface(&self) -> Mat2 {
+        let flip = DMat2::from_diagonal(DVec2::new(1.0, -1.0));
+        (flip * self.texture_from_surface() * flip).as_mat2()
     }
 }
 

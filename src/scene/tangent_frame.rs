@@ -1,15 +1,85 @@
-//! Tangent frames of a mesh's vertices.
+//! Tangent frames of a mesh's vertices: which rule makes them, and the standard one.
 //!
 //! MikkTSpace (M. S. Mikkelsen, *Simulation of Wrinkled Surfaces Revisited*, 2008, section 3.3, as he published it
 //! later) is what most tools bake normal maps for. It wants texture coordinates with v up.
 
 use std::collections::HashMap;
+use std::fmt;
+use std::str::FromStr;
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::Vec3;
 
+use super::frame_groups;
 use super::mesh::{Mesh, Vertex};
 use super::soup::Soup;
+
+/// Which rule makes a mesh's frames. Written `mikktspace`, `grouped` or `grouped:DEGREES`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum FrameRule {
+    /// MikkTSpace, the standard.
+    #[default]
+    MikkTSpace,
+    /// Groups by the thesis's four rules; derivatives further apart than the threshold are not averaged.
+    Grouped {
+        /// In degrees, up to 180, which is none.
+        threshold_deg: f32,
+    },
+}
+
+/// A name that is no rule's.
+#[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
+#[error("'{0}' is no rule for frames: write mikktspace, grouped or grouped:DEGREES with 0 to 180 degrees")]
+pub struct ParseFrameRuleError(String);
+
+impl FromStr for FrameRule {
+    type Err = ParseFrameRuleError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let degrees = |text: &str| text.parse().ok().filter(|degrees| (0.0..=180.0).contains(degrees));
+        let threshold = match text {
+            "mikktspace" => return Ok(Self::MikkTSpace),
+            "grouped" => Some(180.0),
+            _ => text.strip_prefix("grouped:").and_then(degrees),
+        };
+        let rule = threshold.map(|threshold_deg| Self::Grouped { threshold_deg });
+        rule.ok_or_else(|| ParseFrameRuleError(text.to_owned()))
+    }
+}
+
+impl TryFrom<String> for FrameRule {
+    type Error = ParseFrameRuleError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse()
+    }
+}
+
+impl From<FrameRule> for String {
+    fn from(rule: FrameRule) -> Self {
+        rule.to_string()
+    }
+}
+
+impl fmt::Display for FrameRule {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::MikkTSpace => formatter.write_str("mikktspace"),
+            Self::Grouped { threshold_deg } => write!(formatter, "grouped:{threshold_deg}"),
+        }
+    }
+}
+
+impl FrameRule {
+    /// The mesh of a soup of triangles with this rule's frames.
+    pub fn mesh(self, soup: &Soup) -> Mesh {
+        match self {
+            Self::MikkTSpace => mikktspace(soup),
+            Self::Grouped { threshold_deg } => frame_groups::grouped(soup, threshold_deg),
+        }
+    }
+}
 
 /// The mesh of a soup of triangles with MikkTSpace's frames; equal corners share a vertex.
 pub fn mikktspace(soup: &Soup) -> Mesh {
@@ -84,7 +154,7 @@ fn vertex(soup: &Soup, index: u32, frame: Option<&TangentSpace>) -> Vertex {
 }
 
 /// Three corners a triangle as a mesh in which equal ones share a vertex.
-fn welded(corners: impl Iterator<Item = Vertex>) -> Mesh {
+pub fn welded(corners: impl Iterator<Item = Vertex>) -> Mesh {
     let mut mesh = Mesh::default();
     let mut known = HashMap::new();
     for vertex in corners {
@@ -127,6 +197,14 @@ mod tests {
             });
             assert!(twin, "{vertex:?} has no twin");
         }
+    }
+
+    #[test]
+    fn a_rule_reads_back_as_it_is_written() {
+        for rule in [FrameRule::MikkTSpace, FrameRule::Grouped { threshold_deg: 22.5 }] {
+            assert_eq!(rule.to_string().parse(), Ok(rule));
+        }
+        assert!("grouped:200".parse::<FrameRule>().is_err() && "other".parse::<FrameRule>().is_err());
     }
 
     #[test]

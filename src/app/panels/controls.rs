@@ -12,7 +12,7 @@ use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::LevelChoice;
 use crate::filter::vmf::{Alignment, EStep, FitSettings, Objective, Selection};
 use crate::lit_surface::LitSurface;
-use crate::normal_map::{Addressing, GreenChannel, MapSource};
+use crate::normal_map::{Addressing, GreenChannel, MapSource, SlopeKernel};
 use crate::sphere::vmf::KappaRule;
 
 mod doctor;
@@ -96,6 +96,10 @@ fn reading(ui: &mut Ui, context: &mut PanelContext<'_>) {
         });
         if let Some(scale) = &mut options.height_scale {
             p::HEIGHT_SCALE.show_f32(ui, scale);
+            let kernels = [(SlopeKernel::Central, "central differences"), (SlopeKernel::Sobel, "Sobel")];
+            if let Some(kernel) = choice(ui, "Slopes", p::SLOPES, options.slopes, &kernels) {
+                options.slopes = kernel;
+            }
         }
     });
     let edges = [(Addressing::Wrap, "wrap (the map tiles)"), (Addressing::Clamp, "clamp")];

@@ -10,6 +10,7 @@ pub mod light_dome;
 pub mod lobe_table;
 pub mod log_panel;
 pub mod map_panel;
+pub mod needles;
 pub mod palette;
 pub mod save_session;
 pub mod scale_bar;

@@ -94,7 +94,7 @@ fn project_facing(surface: &LitSurface, picture: Rect, [position, normal]: [Vec3
 }
 
 /// Where a point of the world is seen in the picture; `None` behind the eye.
-fn project(surface: &LitSurface, picture: Rect, position: Vec3) -> Option<Pos2> {
+pub fn project(surface: &LitSurface, picture: Rect, position: Vec3) -> Option<Pos2> {
     let clip = surface.camera.clip_from_world(picture.width() / picture.height()) * position.extend(1.0);
     let place = vec2(clip.x, -clip.y) / clip.w * 0.5 + egui::Vec2::splat(0.5);
     (clip.w > 0.0).then(|| picture.min + place * picture.size())

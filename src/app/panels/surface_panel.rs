@@ -2,7 +2,7 @@
 
 use egui::{CursorIcon, Id, Pos2, Rect, Sense, Ui, UiBuilder, vec2};
 
-use super::{PanelContext, light_dome, surface_overlay as overlay};
+use super::{PanelContext, light_dome, needles, surface_overlay as overlay};
 use crate::app::viewport::SurfacePaint;
 use crate::app::{Command, theme};
 use crate::comparison::{Arrangement, Comparison};
@@ -74,6 +74,7 @@ fn space_is_held(ui: &Ui) -> bool {
 fn draw_over(ui: &Ui, context: &PanelContext<'_>, cells: &Cells) {
     for (index, cell) in cells.rects().enumerate() {
         let painter = ui.painter_at(cell.intersect(cells.picture));
+        needles::show(&painter, context, cell);
         overlay::outline(&painter, context, cell);
         if let Some(region) = context.view.region.chosen {
             region::show(&painter, region, cell, index == 0);

@@ -50,7 +50,7 @@ fn every_method_has_a_twin_under_a_sky() {
         let sky = Sky { rotation_deg, last_band, intensity: 0.8, ..uneven() };
         let mut scene = scene(map, sky);
         scene.size = [96, 72];
-        scene.surface.shape = Shape { kind, tiling: [2.0, 2.0] };
+        scene.surface.shape = Shape { tiling: [2.0, 2.0], ..Shape::of_kind(kind) };
         for method in methods() {
             assert_twins(&scene, method, &format!("{method} of a {kind:?} under a sky"));
         }

@@ -269,7 +269,7 @@ fn every_kind_of_light_has_a_twin_by_every_method_and_so_have_eight_together() {
         .collect();
     for lights in [&[far][..], &[near], &crowd] {
         let mut scene = Scene::new(maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color), 6);
-        scene.surface.shape = Shape { kind: ShapeKind::Torus, tiling: [2.0, 2.0] };
+        scene.surface.shape = Shape { tiling: [2.0, 2.0], ..Shape::of_kind(ShapeKind::Torus) };
         scene.surface.lights = lights.try_into().expect("eight at most");
         for method in methods() {
             assert_twins(&scene, method, &format!("{method} by {} lights", lights.len()));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use ndf_inspector::normal_map::procedural;
-use ndf_inspector::scene::{Model, ShapeKind};
+use ndf_inspector::scene::{FrameRule, Model, ShapeKind};
 use ndf_inspector::session::Session;
 use serde_json::json;
 
@@ -108,7 +108,7 @@ fn a_scene_whose_nodes_lead_round_in_circles_ends() {
     let mut document = roof.document();
     document["nodes"] = json!([{"mesh": 0, "children": [1]}, {"children": [0]}]);
     let model = Model::read(&write_glb(folder.path(), &document, &roof.buffer())).expect("sound");
-    assert_eq!(model.mesh.indices.len(), 3 * roof.triangles.len());
+    assert_eq!(model.mesh(FrameRule::default()).indices.len(), 3 * roof.triangles.len());
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::app::light_view::LightView;
 use crate::app::parameter::Parameter;
+use crate::app::view_state::NeedlesView;
 use crate::brdf::{ConvolutionRule, DiffuseRule, Material};
 use crate::filter::LevelChoice;
 use crate::filter::probes::MOST_PROBES;
@@ -28,7 +29,15 @@ pub(super) const HEIGHTS: &str = "Reads the image as heights and takes the norma
 pub(super) const SHAPE: &str = "What wears the map. A mesh is read from an OBJ, glTF or GLB file.";
 pub(super) const MESH: &str = "Opens an OBJ, glTF or GLB file as the surface. A normal texture that it brings becomes \
                                the map.";
+pub(super) const FRAMES: &str = "Which triangles share a tangent frame at a vertex: by MikkTSpace, the standard, or by \
+                                 the four rules of Mikkelsen's thesis with an angular threshold.";
+pub(super) const SPLITS: &str = "A split frame is a vertex that differs from another in its tangents alone: at mirrors, \
+                                 and where derivatives lie further apart than the threshold.";
+pub(super) const NEEDLES: &str = "Draws two normals of the relief at points of the surface: that of the displaced surface \
+                                  (orange, Mikkelsen's equation 25) and Blinn's approximation (blue).";
 pub(super) const MIRRORED: &str = "Mirrors the map, left for right: the frames become left-handed, the relief stays.";
+pub(super) const SLOPES: &str = "How slopes are taken from heights: the difference of the two neighbours, or that \
+                                 smoothed across the slope by Sobel's kernels.";
 pub(super) const EDGES: &str = "What lies beyond an edge of the map.";
 pub(super) const KAPPA: &str = "How a lobe's concentration follows from its mean length: the exact inverse of \
                                 A(kappa) = coth(kappa) - 1/kappa, or the papers' closed form, up to 5 % off.";
@@ -293,6 +302,25 @@ pub(super) const TUBE_RADIUS: Parameter = Parameter {
     range: [0.02, 0.75],
     default: SHAPE_DEFAULT.radii[1] as f64,
     tooltip: "Of the torus's tube; always less than the ring's.",
+    ..PLAIN
+};
+pub(super) const FRAME_THRESHOLD: Parameter = Parameter {
+    name: "Threshold",
+    range: [0.0, 180.0],
+    default: 180.0,
+    unit: "°",
+    decimals: 0,
+    tooltip: "Derivatives of neighbouring triangles further apart than this are not averaged; 180° averages whole groups.",
+    ..PLAIN
+};
+pub(super) const NEEDLE_SCALE: Parameter = Parameter {
+    name: "Relief lambda",
+    range: [0.002, 1.0],
+    default: NeedlesView::DEFAULT.scale as f64,
+    decimals: 4,
+    logarithmic: true,
+    tooltip: "What a height of 1 is for the needles, in the surface's own units. Both normals part where height times \
+              curvature is large.",
     ..PLAIN
 };
 pub(super) const SHEAR: Parameter = Parameter {

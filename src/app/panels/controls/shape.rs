@@ -6,9 +6,11 @@ use egui::{RichText, TextEdit, Ui};
 
 use super::PanelContext;
 use super::parameters as p;
+use crate::app::panels::needles;
 use crate::app::parameter::{choice, label};
+use crate::app::view_state::NeedlesView;
 use crate::app::{Command, theme};
-use crate::scene::{Shape, ShapeKind};
+use crate::scene::{FrameRule, Shape, ShapeKind};
 
 /// Shows the shape, its own parameters and those of the map on it.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &mut Shape) {
@@ -21,10 +23,39 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &mut Shape) {
         shape.kind = kind;
     }
     mesh(ui, context, shape);
+    if shape.kind == ShapeKind::Mesh {
+        frames(ui, &mut shape.frames);
+    }
     if shape.kind == ShapeKind::Torus {
         radii(ui, &mut shape.radii);
     }
     texture(ui, shape);
+    if needles::can_show(context) {
+        relief(ui, &mut context.view.needles);
+    }
+}
+
+/// Both normals of a relief as needles.
+fn relief(ui: &mut Ui, view: &mut NeedlesView) {
+    ui.horizontal(|ui| {
+        label(ui, "Needles");
+        ui.checkbox(&mut view.shown, "exact and Blinn's").on_hover_text(p::NEEDLES);
+    });
+    if view.shown {
+        p::NEEDLE_SCALE.show_f32(ui, &mut view.scale);
+    }
+}
+
+/// The rule of the mesh's frames.
+fn frames(ui: &mut Ui, frames: &mut FrameRule) {
+    let grouped = if *frames == FrameRule::MikkTSpace { FrameRule::Grouped { threshold_deg: 180.0 } } else { *frames };
+    let rules = [(FrameRule::MikkTSpace, "MikkTSpace"), (grouped, "groups (Mikkelsen 3.3)")];
+    if let Some(rule) = choice(ui, "Frames", p::FRAMES, *frames, &rules) {
+        *frames = rule;
+    }
+    if let FrameRule::Grouped { threshold_deg } = frames {
+        p::FRAME_THRESHOLD.show_f32(ui, threshold_deg);
+    }
 }
 
 /// Opens a mesh, and says what is odd about the one that is shown.
@@ -43,8 +74,10 @@ fn mesh(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &Shape) {
         }
     });
     let Some(model) = shape.model.as_ref().filter(|_| shape.kind == ShapeKind::Mesh) else { return };
-    let triangles = model.mesh.indices.len() / 3;
-    ui.label(RichText::new(format!("{triangles} triangles")).small().color(theme::WEAK));
+    let mesh = model.mesh(shape.frames);
+    let (triangles, vertices, splits) = (mesh.indices.len() / 3, mesh.vertices.len(), mesh.splits());
+    let figures = format!("{triangles} triangles · {vertices} vertices · {splits} split frames");
+    ui.label(RichText::new(figures).small().color(theme::WEAK)).on_hover_text(p::SPLITS);
     for warning in &model.warnings {
         let text = RichText::new(format!("{warning}.")).small().color(theme::WARNING);
         ui.add(egui::Label::new(text).wrap());
