@@ -50,7 +50,7 @@ const EMPTY_WEIGHT: f32 = 1e-7;
 // Slots at most (sphere/mixture.rs).
 const MAX_LOBES: u32 = 16u;
 // A derivative's length counts as this at least (scene/mesh.rs).
-const LEAST_LENGTH: f32 = 1e-6;
+const LEAST_DERIVATIVE: f32 = 1e-6;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 // Exact convolutions, a layer per exponent; empty where no rule asks for them.
@@ -107,8 +107,8 @@ fn vertex(corner: Corner) -> Point {
 
 // The map's rows and columns at a vertex: the twin of Vertex::tangents (scene/mesh.rs).
 fn tangents_of(corner: Corner) -> array<vec3f, 2> {
-    let along_u = corner.along_u.xyz * max(corner.along_u.w, LEAST_LENGTH);
-    let along_t = corner.along_t.xyz * max(corner.along_t.w, LEAST_LENGTH);
+    let along_u = corner.along_u.xyz * max(corner.along_u.w, LEAST_DERIVATIVE);
+    let along_t = corner.along_t.xyz * max(corner.along_t.w, LEAST_DERIVATIVE);
     let m = frame.uv_from_surface;
     let orientation = select(1.0, -1.0, determinant(m) < 0.0);
     return array<vec3f, 2>(
