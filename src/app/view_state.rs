@@ -118,11 +118,13 @@ pub struct RegionView {
     pub drawn_from: Option<(egui::Rect, [f32; 2])>,
 }
 
-/// Both normals of a bump-mapped surface, as needles.
+/// Needles on the surface: its frames, and both normals of a relief.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct NeedlesView {
-    /// Whether they are drawn.
+    /// Whether the mesh's frames are drawn.
+    pub frames: bool,
+    /// Whether both normals are drawn.
     pub shown: bool,
     /// What a height of 1 is, in the surface's own units.
     pub scale: f32,
@@ -130,7 +132,7 @@ pub struct NeedlesView {
 
 impl NeedlesView {
     /// Mikkelsen's middle scale.
-    pub const DEFAULT: Self = Self { shown: false, scale: 0.0625 };
+    pub const DEFAULT: Self = Self { frames: false, shown: false, scale: 0.0625 };
 }
 
 impl Default for NeedlesView {
@@ -167,7 +169,7 @@ pub struct ViewState {
     /// Whether the camera runs away and back.
     #[serde(skip)]
     pub dolly: Dolly,
-    /// Both normals of a relief, on the surface.
+    /// Needles on the surface.
     pub needles: NeedlesView,
     /// Whether the trace of the selected texel's fit is shown.
     pub show_trace: bool,

@@ -17,14 +17,29 @@ pub struct Model {
     pub path: PathBuf,
     /// Its triangles, within the unit sphere, z up.
     pub soup: Arc<Soup>,
-    /// The mesh last asked for, and the rule of its frames.
-    meshes: Arc<Mutex<(FrameRule, Arc<Mesh>)>>,
+    /// The mesh last asked for.
+    framed: Arc<Mutex<Framed>>,
     /// Linear RGB that the file gives the whole surface.
     pub base_color: Option<Vec3>,
     /// True where the file brings a normal texture, which is then the map.
     pub has_normal_map: bool,
     /// What was odd about the file, each a sentence without a full stop.
     pub warnings: Vec<String>,
+}
+
+/// The triangles with a rule's frames.
+#[derive(Clone, Debug)]
+struct Framed {
+    rule: FrameRule,
+    mesh: Arc<Mesh>,
+    splits: usize,
+}
+
+impl Framed {
+    fn new(soup: &Soup, rule: FrameRule) -> Self {
+        let mesh = rule.mesh(soup);
+        Self { rule, splits: mesh.splits(), mesh: Arc::new(mesh) }
+    }
 }
 
 /// Two models are the same where they are one and the same: comparing half a million vertices is not worth it.
@@ -46,25 +61,34 @@ impl Model {
             let (dropped, all) = (imported.soup.dropped, imported.soup.dropped + imported.soup.triangles.len());
             warnings.push(format!("{dropped} of {all} triangles have no area and were left out"));
         }
-        let rule = FrameRule::default();
-        let mesh = Arc::new(rule.mesh(&imported.soup));
+        let framed = Framed::new(&imported.soup, FrameRule::default());
         Ok(Self {
             path: path.to_owned(),
             soup: Arc::new(imported.soup),
-            meshes: Arc::new(Mutex::new((rule, mesh))),
+            framed: Arc::new(Mutex::new(framed)),
             base_color: imported.base_color,
             has_normal_map: imported.has_normal_map,
             warnings,
         })
     }
 
-    /// The triangles with a rule's frames; those of the rule asked for last are kept.
+    /// The triangles with a rule's frames.
     pub fn mesh(&self, rule: FrameRule) -> Arc<Mesh> {
-        let mut kept = self.meshes.lock().unwrap_or_else(PoisonError::into_inner);
-        if kept.0 != rule {
-            *kept = (rule, Arc::new(rule.mesh(&self.soup)));
+        self.framed(rule).mesh
+    }
+
+    /// Vertices that differ from another in their frame alone, under a rule.
+    pub fn splits(&self, rule: FrameRule) -> usize {
+        self.framed(rule).splits
+    }
+
+    /// Those of the rule asked for last are kept.
+    fn framed(&self, rule: FrameRule) -> Framed {
+        let mut kept = self.framed.lock().unwrap_or_else(PoisonError::into_inner);
+        if kept.rule != rule {
+            *kept = Framed::new(&self.soup, rule);
         }
-        Arc::clone(&kept.1)
+        kept.clone()
     }
 
     /// The file's name.

@@ -33,6 +33,8 @@ pub(super) const FRAMES: &str = "Which triangles share a tangent frame at a vert
                                  the four rules of Mikkelsen's thesis with an angular threshold.";
 pub(super) const SPLITS: &str = "A split frame is a vertex that differs from another in its tangents alone: at mirrors, \
                                  and where derivatives lie further apart than the threshold.";
+pub(super) const FRAME_NEEDLES: &str = "Draws the frames of some vertices: the map's rows vermilion, its columns green, \
+                                        the normal blue.";
 pub(super) const NEEDLES: &str = "Draws two normals of the relief at points of the surface: that of the displaced surface \
                                   (orange, Mikkelsen's equation 25) and Blinn's approximation (blue).";
 pub(super) const MIRRORED: &str = "Mirrors the map, left for right: the frames become left-handed, the relief stays.";

@@ -30,18 +30,20 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &mut Shape) {
         radii(ui, &mut shape.radii);
     }
     texture(ui, shape);
-    if needles::can_show(context) {
-        relief(ui, &mut context.view.needles);
-    }
+    let has_relief = needles::can_show(context);
+    draw_needles(ui, &mut context.view.needles, has_relief);
 }
 
-/// Both normals of a relief as needles.
-fn relief(ui: &mut Ui, view: &mut NeedlesView) {
+/// What is drawn over the surface: its frames and, of a relief, both normals.
+fn draw_needles(ui: &mut Ui, view: &mut NeedlesView, has_relief: bool) {
     ui.horizontal(|ui| {
         label(ui, "Needles");
-        ui.checkbox(&mut view.shown, "exact and Blinn's").on_hover_text(p::NEEDLES);
+        ui.checkbox(&mut view.frames, "frames").on_hover_text(p::FRAME_NEEDLES);
+        if has_relief {
+            ui.checkbox(&mut view.shown, "both normals").on_hover_text(p::NEEDLES);
+        }
     });
-    if view.shown {
+    if has_relief && view.shown {
         p::NEEDLE_SCALE.show_f32(ui, &mut view.scale);
     }
 }
@@ -74,8 +76,8 @@ fn mesh(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &Shape) {
         }
     });
     let Some(model) = shape.model.as_ref().filter(|_| shape.kind == ShapeKind::Mesh) else { return };
-    let mesh = model.mesh(shape.frames);
-    let (triangles, vertices, splits) = (mesh.indices.len() / 3, mesh.vertices.len(), mesh.splits());
+    let (mesh, splits) = (model.mesh(shape.frames), model.splits(shape.frames));
+    let (triangles, vertices) = (mesh.indices.len() / 3, mesh.vertices.len());
     let figures = format!("{triangles} triangles · {vertices} vertices · {splits} split frames");
     ui.label(RichText::new(figures).small().color(theme::WEAK)).on_hover_text(p::SPLITS);
     for warning in &model.warnings {
