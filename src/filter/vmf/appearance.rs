@@ -30,15 +30,15 @@ const MERGE_SHININESS: f64 = 64.0;
 /// the cost.
 const WARD_BELOW: usize = 256;
 
-/// The children's lobes merged down to the texel's slots.
-fn merged(children: &Children<'_>, normals: usize, slots: usize) -> TexelLobes {
-    let mut candidates = Candidates::default();
+/// The children's lobes merged down to the texel's slots, in the room of `candidates`.
+fn merged(children: &Children<'_>, normals: usize, slots: usize, candidates: &mut Candidates) -> TexelLobes {
+    candidates.clear();
     if normals < WARD_BELOW {
-        children.add_to(&mut candidates, &Ward);
+        children.add_to(candidates, &Ward);
         candidates.merge_down_to(slots, &Ward);
     } else {
         let criterion = Blurred { shininess: MERGE_SHININESS };
-        children.add_to(&mut candidates, &criterion);
+        children.add_to(candidates, &criterion);
         candidates.merge_down_to(slots, &criterion);
     }
     candidates.to_lobes(slots)
@@ -56,11 +56,13 @@ pub fn fit_crowd(
     crowd::with_crowd(map, map.level_size(job.level), texels.start, texels.len(), |samples, footprints| {
         let mut lobes = CrowdLobes::empty(settings.lobes, settings.kappa);
         let (mut iterations, mut searched) = ([0; LANES], [false; LANES]);
+        let mut candidates = Candidates::default();
         for (lane, footprint) in footprints.iter().enumerate() {
             let exact = small(footprint, settings.lobes).then(|| seed::exact(map, footprint, settings.lobes)).flatten();
             searched[lane] = exact.is_none();
             iterations[lane] = if searched[lane] { ITERATIONS.min(settings.iterations) } else { 0 };
-            let merge = || merged(&job.children(texels.start + lane), footprint.len(), settings.lobes);
+            let children = job.children(texels.start + lane);
+            let merge = || merged(&children, footprint.len(), settings.lobes, &mut candidates);
             lobes.set(lane, &exact.unwrap_or_else(merge));
         }
         let run = |samples: &mut CrowdSamples, lobes: &mut CrowdLobes, iterations: [usize; LANES]| {
@@ -82,7 +84,7 @@ pub fn fit_crowd(
 /// Fits one texel.
 pub fn fit(samples: &impl Samples, children: &Children<'_>, steps: usize, task: &mut TexelTask<'_>) -> TexelFit {
     let rule = task.settings.kappa;
-    let mut lobes = merged(children, task.normals, task.settings.lobes);
+    let mut lobes = merged(children, task.normals, task.settings.lobes, &mut Candidates::default());
     let iterations = ITERATIONS.min(task.settings.iterations);
     task.begin("EM from merged lobes");
     for _ in 0..iterations {

@@ -18,7 +18,10 @@ use super::lane_width::LaneWidth;
 use super::lanes::{LANES, Lanes, exp_of_negative};
 use super::phi::{KAPPA_MIN, pair_index};
 use crate::sphere::mixture::EMPTY_WEIGHT;
-use crate::sphere::vmf::KAPPA_DELTA;
+use crate::sphere::vmf::{KAPPA_DELTA, KAPPA_MAX};
+
+/// What Phi must fall by in proportion, some ten roundings of it: a step that gains less is a step at random.
+const LEAST_GAIN: f32 = 1e-6;
 
 /// Room for the steps of one crowd.
 #[derive(Default)]
@@ -46,19 +49,22 @@ pub fn refine(samples: &CrowdSamples, lobes: &mut CrowdLobes, steps: usize, mask
         read(lobes, &mut room.at);
         let weights = room.here.weights(&room.at);
         room.here.move_to(samples, &room.at, &weights);
-        for _ in 0..steps {
+        for left in (0..steps).rev() {
             room.damped.copy_from(&room.here.system);
             damp(&mut room.damped, &damping);
             let solved = room.damped.solve();
             step(&room.at, &room.here, &room.damped, &mut room.next);
             room.there.move_to(samples, &room.next, &weights);
-            let lower = |i: usize| mask[i] && solved[i] && room.there.phi.0[i] < room.here.phi.0[i];
-            let better: Mask = std::array::from_fn(lower);
+            let lower = |i: usize| room.there.phi.0[i] < room.here.phi.0[i] - LEAST_GAIN * room.here.phi.0[i].abs();
+            let better: Mask = std::array::from_fn(|i| mask[i] && solved[i] && lower(i));
             for i in 0..LANES {
                 damping.0[i] *= if better[i] { EASED as f32 } else { RAISED as f32 };
                 moved[i] |= better[i];
             }
             take(room, &better);
+            if left > 0 {
+                take_equations(&mut room.here, &room.there, &better);
+            }
         }
         store(&room.at, &moved, lobes);
     });
@@ -73,7 +79,10 @@ fn read(lobes: &CrowdLobes, at: &mut CrowdParameters) {
         for i in 0..LANES {
             let alpha = lobes.alpha[j].0[i];
             at.alpha[j].0[i] = if alpha > EMPTY_WEIGHT { alpha } else { 0.0 };
-            at.kappa[j].0[i] = (lobe.factor.0[i] * (-2.0 / LOG2_E)).max(KAPPA_MIN as f32);
+            let kappa = lobe.factor.0[i] * (-2.0 / LOG2_E);
+            // What the E-step caps is equal normals, which stay a delta.
+            let delta = kappa > 0.999 * KAPPA_MAX as f32;
+            at.kappa[j].0[i] = if delta { KAPPA_DELTA as f32 } else { kappa.max(KAPPA_MIN as f32) };
         }
     }
 }
@@ -160,16 +169,20 @@ fn take(room: &mut Room, better: &Mask) {
     select(&mut room.at.alpha[..count], &room.next.alpha, better);
     select(room.at.mu[..count].as_flattened_mut(), room.next.mu.as_flattened(), better);
     select(&mut room.at.kappa[..count], &room.next.kappa, better);
-    let (here, there) = (&mut room.here, &room.there);
-    select(
-        here.frames[..count].as_flattened_mut().as_flattened_mut(),
-        there.frames.as_flattened().as_flattened(),
-        better,
-    );
-    select(here.system.right[..count].as_flattened_mut(), there.system.right.as_flattened(), better);
-    let pairs = count * (count + 1) / 2;
-    let tiles = here.system.tiles[..pairs].as_flattened_mut().as_flattened_mut();
-    select(tiles, there.system.tiles.as_flattened().as_flattened(), better);
+}
+
+/// Takes the equations of the next place where that is better: for another step from there.
+#[multiversion(targets(
+    "x86_64+avx+avx2+bmi1+bmi2+fma+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx+avx2+bmi1+bmi2+fma",
+    "x86_64+sse4.1"
+))]
+fn take_equations(here: &mut CrowdPhi, there: &CrowdPhi, better: &Mask) {
+    let frames = here.frames[..here.system.count].as_flattened_mut().as_flattened_mut();
+    select(frames, there.frames.as_flattened().as_flattened(), better);
+    for (own, other) in here.system.parts_mut().into_iter().zip(there.system.parts()) {
+        select(own, other, better);
+    }
 }
 
 /// Replaces the lanes in `mask`.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::between::{CENTRE, IDLE, Joint, Level, moved};
 use super::channel_lobes::ChannelLobes;
-use super::channel_phi::{self, ChannelPhi, NormalWindow};
+use super::channel_phi::{self, ChannelPhi};
 use super::cholesky::MOST;
 use super::corners::{line, lines, share};
 use super::crowd;
@@ -20,7 +20,7 @@ use super::crowd_system::{CrowdSystem, EACH, Part};
 use super::lanes::{LANES, Lanes, window};
 use super::monitor::Cancelled;
 use super::phi::pair_index;
-use crate::normal_map::pyramid::Footprint;
+use super::texel_row::TexelRow;
 use crate::normal_map::{Addressing, NormalMap};
 use crate::sphere::StoredLobe;
 use crate::sphere::mixture::MAX_LOBES;
@@ -42,14 +42,6 @@ pub struct JointRows<'a> {
     squares: Vec<f32>,
     /// The shares of a row's texels in the corner before each and behind it.
     across: [Vec<f32>; 2],
-}
-
-/// A row of texels: value `x + 1` of each of its columns is texel x's.
-struct TexelRow {
-    /// By axis, then weights, of sum 1; the first normal of every texel before the second of any.
-    normals: [Vec<f32>; 4],
-    /// Channel by channel of every slot.
-    channels: Vec<f32>,
 }
 
 /// Room for a row of texels and the two lines of corners beside it.
@@ -86,7 +78,7 @@ impl<'a> JointRows<'a> {
 
     /// From one column of a row to the next.
     fn stride(&self) -> usize {
-        self.level.size.0 + 2 + LANES
+        TexelRow::stride(self.level.size.0)
     }
 
     /// Entries of the equations, of which E is none.
@@ -96,65 +88,19 @@ impl<'a> JointRows<'a> {
     }
 
     fn row(&self) -> TexelRow {
-        let normals = crowd::most_normals(self.map, self.level.size) * self.stride();
-        TexelRow {
-            normals: std::array::from_fn(|_| vec![0.0; normals]),
-            channels: vec![0.0; EACH * self.level.slots * self.stride()],
-        }
+        let Level { size, slots, addressing, .. } = self.level;
+        TexelRow::empty(self.map, size, slots, addressing)
     }
 
     /// The squares of the looks of row `y`.
     fn square(&self, y: usize, row: &mut TexelRow, squares: &mut [f32]) {
-        self.gather_normals(y, row);
+        row.read_normals(self.map, y);
         for x in (0..self.level.size.0).step_by(LANES) {
             let mut energy = ZERO;
-            channel_phi::energy(&row.normals(self.stride(), x + 1), &mut energy);
+            channel_phi::energy(&row.normals(x + 1), &mut energy);
             squares[x + 1..x + 1 + LANES].copy_from_slice(&energy.0);
         }
-        self.close(squares);
-    }
-
-    /// Copies the ends of a column to where their neighbours are.
-    fn close(&self, column: &mut [f32]) {
-        let width = self.level.size.0;
-        let (before, behind) = match self.level.addressing {
-            Addressing::Wrap => (column[width], column[1]),
-            Addressing::Clamp => (column[1], column[width]),
-        };
-        (column[0], column[width + 1]) = (before, behind);
-    }
-
-    /// Takes in the normals of row `y`; a texel without a valid one is flat.
-    fn gather_normals(&self, y: usize, row: &mut TexelRow) {
-        let (map, stride) = (self.map, self.stride());
-        row.normals.iter_mut().for_each(|column| column.fill(0.0));
-        for x in 0..self.level.size.0 {
-            let footprint = Footprint::new((map.width, map.height), self.level.size, (x, y));
-            let mut total = 0.0;
-            crowd::each_normal(map, &footprint, |n, [nx, ny, nz], weight| {
-                let at = n * stride + x + 1;
-                row.normals.iter_mut().zip([nx, ny, nz, weight]).for_each(|(column, value)| column[at] = value);
-                total += weight;
-            });
-            if total > 0.0 {
-                row.normals[3][x + 1..].iter_mut().step_by(stride).for_each(|weight| *weight /= total);
-            } else {
-                row.normals.iter_mut().zip([0.0, 0.0, 1.0, 1.0]).for_each(|(column, value)| column[x + 1] = value);
-            }
-        }
-        row.normals.iter_mut().flat_map(|column| column.chunks_mut(stride)).for_each(|column| self.close(column));
-    }
-
-    /// Takes in row `y`.
-    fn read(&self, from: &[StoredLobe], y: usize, row: &mut TexelRow) {
-        self.gather_normals(y, row);
-        let (slots, width, stride) = (self.level.slots, self.level.size.0, self.stride());
-        for (x, texel) in from[y * width * slots..(y + 1) * width * slots].chunks_exact(slots).enumerate() {
-            for (channel, value) in texel.iter().flatten().enumerate() {
-                row.channels[channel * stride + x + 1] = *value;
-            }
-        }
-        row.channels.chunks_mut(stride).for_each(|column| self.close(column));
+        row.close(squares);
     }
 
     /// The equations of the corners between the rows at hand, of texels `rows`; returns their part of E.
@@ -165,9 +111,10 @@ impl<'a> JointRows<'a> {
             let Rows { texels, below, lobes, phi, .. } = rows;
             let windows: [(usize, usize); 4] = std::array::from_fn(|i| (i / 2, start + i % 2));
             lobes.read(&windows.map(|(row, start)| (&texels[row].channels[..], start)), stride);
-            phi.move_to(lobes, &windows.map(|(row, start)| texels[row].normals(stride, start)));
+            phi.move_to(lobes, &windows.map(|(row, start)| texels[row].normals(start)));
             let squares = windows.map(|(row, start)| window(&self.squares, rows_of[row] * stride + start));
-            let scale = Lanes(std::array::from_fn(|i| inverse(squares.iter().map(|s| 0.25 * s[i]).sum())));
+            let [a, b, c, d] = squares;
+            let scale = Lanes(std::array::from_fn(|i| inverse(0.25 * (a[i] + b[i] + c[i] + d[i]))));
             let count = LANES.min(counted - start);
             energy += (0..count).map(|i| f64::from(scale.0[i] * phi.phi.0[i])).sum::<f64>();
             let mut at = start;
@@ -188,7 +135,7 @@ impl<'a> JointRows<'a> {
         let ((width, height), stride, addressing) = (self.level.size, self.stride(), self.level.addressing);
         let Rows { texels, above, below, lobes, phi, .. } = rows;
         lobes.read(&[(&texels[0].channels[..], x + 1)], stride);
-        phi.move_to(lobes, &[texels[0].normals(stride, x + 1)]);
+        phi.move_to(lobes, &[texels[0].normals(x + 1)]);
         let squares = window(&self.squares, y * stride + x + 1);
         let scale = Lanes(squares.map(|square| CENTRE * inverse(square)));
         let across = self.across.each_ref().map(|shares| window(shares, x));
@@ -257,7 +204,7 @@ impl Joint for JointRows<'_> {
     ) -> Result<f64, Cancelled> {
         let ((width, height), slots, addressing) = (self.level.size, self.level.slots, self.level.addressing);
         let pair = line(top, height, addressing);
-        pair.into_iter().zip(&mut rows.texels).for_each(|(y, row)| self.read(from, y, row));
+        pair.into_iter().zip(&mut rows.texels).for_each(|(y, row)| row.read(self.map, from, y));
         let mut energy = self.corners(pair, rows);
         let length = width * slots;
         let bottom = top + to.len() / length;
@@ -266,7 +213,7 @@ impl Joint for JointRows<'_> {
             std::mem::swap(&mut rows.above, &mut rows.below);
             rows.texels.swap(0, 1);
             let pair = line(y + 1, height, addressing);
-            self.read(from, pair[1], &mut rows.texels[1]);
+            rows.texels[1].read(self.map, from, pair[1]);
             let corners = self.corners(pair, rows);
             // The line below the strip is the next one's, but for the map's last where that has one of its own.
             if y + 1 < bottom || y + 1 == height && addressing == Addressing::Clamp {
@@ -287,13 +234,6 @@ impl Joint for JointRows<'_> {
 /// True where the footprints of a level of this size have few normals.
 pub fn is_small(map: &NormalMap, size: (usize, usize)) -> bool {
     crowd::most_normals(map, size) <= MOST_NORMALS
-}
-
-impl TexelRow {
-    /// The normals of the texels, or of their neighbours, from value `start` of each column on.
-    fn normals(&self, stride: usize, start: usize) -> NormalWindow<'_> {
-        NormalWindow { columns: std::array::from_fn(|axis| &self.normals[axis][..]), stride, start }
-    }
 }
 
 /// The inverse of a square, 0 of nothing.
@@ -381,6 +321,7 @@ mod tests {
     use crate::filter::vmf::channel_phi::plain::product;
     use crate::filter::vmf::monitor::Monitor;
     use crate::normal_map::procedural;
+    use crate::normal_map::pyramid::Footprint;
 
     const SLOTS: usize = 3;
 

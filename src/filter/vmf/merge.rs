@@ -149,6 +149,11 @@ impl Default for Candidates {
 }
 
 impl Candidates {
+    /// Forgets all of them.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
     /// Adds a lobe; one without weight, or beyond the room there is, is left out.
     pub fn push(&mut self, candidate: Candidate) {
         if candidate.alpha > f64::from(EMPTY_WEIGHT) && self.count < MAX_CANDIDATES {
@@ -176,7 +181,11 @@ impl Candidates {
             (0..self.count).for_each(|i| partners[i] = self.partner_of(i, criterion, &mut costs));
         }
         while self.count > wanted.max(1) {
-            let cheapest = (0..self.count - 1).min_by(|&i, &k| partners[i].rank(&partners[k]));
+            let all = 0..self.count - 1;
+            let mut of_all = [0.0; MAX_CANDIDATES];
+            all.clone().for_each(|i| of_all[i] = partners[i].cost);
+            let least = merge_costs::least(&of_all, &all);
+            let cheapest = all.filter(|&i| of_all[i] == least).min_by(|&i, &k| partners[i].rank(&partners[k]));
             let Some(i) = cheapest else { return };
             self.merge(i, &mut partners, criterion, &mut costs);
         }
@@ -219,11 +228,11 @@ impl Candidates {
     /// The cheapest partner of lobe `i` among those after it; `costs` become those of all.
     fn partner_of(&self, i: usize, criterion: &impl Criterion, costs: &mut Costs) -> Partner {
         criterion.costs(self, i, costs);
+        let others = i + 1..self.count;
+        let least = merge_costs::least(costs, &others);
         let mut best = Partner::NONE;
-        for (index, &cost) in costs[..self.count].iter().enumerate().skip(i + 1) {
-            if cost <= best.cost {
-                best = best.cheaper(self.partner(i, index, cost));
-            }
+        for index in others.filter(|&index| costs[index] == least) {
+            best = best.cheaper(self.partner(i, index, least));
         }
         best
     }

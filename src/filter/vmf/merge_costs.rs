@@ -3,6 +3,7 @@
 #![expect(clippy::needless_range_loop, reason = "lanes of several arrays are walked by one index, which vectorises")]
 
 use std::f32::consts::{PI, TAU};
+use std::ops::Range;
 
 use glam::Vec3;
 use multiversion::multiversion;
@@ -102,6 +103,33 @@ pub fn blurred(columns: &Columns, count: usize, i: usize, blur: f32, costs: &mut
             costs[k] = squares / (4.0 * PI) + 2.0 * products;
         }
     }
+}
+
+/// The least of the costs in `range`.
+#[multiversion(targets(
+    "x86_64+avx+avx2+bmi1+bmi2+fma+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx+avx2+bmi1+bmi2+fma",
+    "x86_64+sse4.1"
+))]
+pub fn least(costs: &Costs, range: &Range<usize>) -> f32 {
+    let (start, end) = (range.start as u32, range.end as u32);
+    let mut least = [f32::INFINITY; LANES];
+    for group in range.start / LANES..range.end.div_ceil(LANES) {
+        let (costs, first) = (lanes(costs, group), (group * LANES) as u32);
+        for k in 0..LANES {
+            let index = first + k as u32;
+            let cost = if index >= start && index < end { costs[k] } else { f32::INFINITY };
+            least[k] = if cost < least[k] { cost } else { least[k] };
+        }
+    }
+    let mut half = LANES / 2;
+    while half > 0 {
+        for k in 0..half {
+            least[k] = if least[k + half] < least[k] { least[k + half] } else { least[k] };
+        }
+        half /= 2;
+    }
+    least[0]
 }
 
 /// The integral of the product of two planar Gaussians whose variances sum to `variance`.

@@ -49,6 +49,7 @@ pub mod seed;
 pub mod selection;
 pub mod shaded;
 pub mod smooth;
+pub mod texel_row;
 pub mod trace;
 pub mod unaligned;
 
