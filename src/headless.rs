@@ -90,6 +90,8 @@ impl<'a> Headless<'a> {
         let target = PaintTarget { format: FORMAT, budget, ..Default::default() };
         let surroundings = Surroundings { gpu: gpu.clone(), target, live: false };
         let inspector = Inspector::new(&canvas.ctx, make(wake_of(&canvas.ctx)), surroundings);
+        // A cursor that blinks shows when a picture was taken.
+        canvas.ctx.all_styles_mut(|style| style.visuals.text_cursor.blink = false);
         Self { inspector, canvas, wait: settings.wait }
     }
 

@@ -233,9 +233,11 @@ impl Inspector {
         self.autosave = Autosave::of_user();
     }
 
-    /// Keeps the document as it is: the window closes.
+    /// Keeps the document as it is: the window closes. One that is still being opened is kept already.
     pub fn finish(&mut self) {
-        self.autosave.finish(&document::contents(&self.session, &self.view));
+        if !self.session.is_opening() {
+            self.autosave.finish(&document::contents(&self.session, &self.view));
+        }
     }
 
     fn open_dropped(&mut self, ctx: &egui::Context) {

@@ -16,6 +16,8 @@ use crate::image_io::write_png_rgba8;
 
 /// Passes after which the layout has followed what a step did.
 const PASSES: usize = 3;
+/// Seconds between two clicks of different steps, which are no double click.
+const PAUSE: f64 = 1.0;
 /// Seconds that a pass takes while a tooltip is waited for.
 const TOOLTIP_STEP: f64 = 0.5;
 /// How long a step may wait.
@@ -113,6 +115,7 @@ impl Headless<'_> {
 
     fn click(&mut self, name: &str, times: usize) -> Result<(), String> {
         let at = self.middle(name)?;
+        self.canvas.clock += PAUSE;
         self.events([Event::PointerMoved(at)])?;
         for _ in 0..times {
             self.events([button(at, true)])?;
@@ -132,6 +135,7 @@ impl Headless<'_> {
 
     fn drag(&mut self, name: &str, by: Vec2) -> Result<(), String> {
         let from = self.middle(name)?;
+        self.canvas.clock += PAUSE;
         self.events([Event::PointerMoved(from)])?;
         self.events([button(from, true)])?;
         for quarter in 1..=4 {

@@ -46,6 +46,9 @@ pub enum ReadImageError {
     /// The header claims more texels than are supported.
     #[error("'{name}' claims to be {width}x{height} texels; at most {MAX_SIDE}x{MAX_SIDE} are supported")]
     TooLarge { name: String, width: u64, height: u64 },
+    /// The header claims more texels than memory can take.
+    #[error("'{name}' is not read: with {width}x{height} texels {cause}")]
+    NoMemory { name: String, width: u64, height: u64, cause: String },
     /// The data ends before the image does.
     #[error("'{name}' is cut short: its {format} data ends before the image does")]
     Truncated { name: String, format: &'static str },

@@ -5,6 +5,7 @@
 
 mod error;
 pub mod exr_parts;
+pub mod memory;
 mod open_exr;
 mod pixel_formats;
 mod read;

@@ -6,10 +6,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use super::sniff::{Content, Format, format_name, sniff};
-use super::{RasterImage, ReadImageError, open_exr, pixel_formats};
+use super::{RasterImage, ReadImageError, memory, open_exr, pixel_formats};
 
 /// The longest side of an image that is read: what every GPU the program runs on can hold in one texture.
 pub const MAX_SIDE: usize = 8192;
+/// Memory of a map that is being opened, per texel: up to four channels as they are stored, in single precision while
+/// they are decoded, the normals, and the mean normals of every level.
+const BYTES_PER_TEXEL: u64 = 4 * 4 + 4 * 4 + 3 * 4 + 4 * 16 / 3;
 
 /// The longest file that is read: the largest image as four uncompressed floats a texel, and as much again for
 /// layers and data beside it.
@@ -109,7 +112,11 @@ pub(super) fn check_size(
         return Err(ReadImageError::Damaged { name, format });
     }
     match (usize::try_from(width), usize::try_from(height)) {
-        (Ok(w), Ok(h)) if w <= MAX_SIDE && h <= MAX_SIDE => Ok((w, h)),
+        (Ok(w), Ok(h)) if w <= MAX_SIDE && h <= MAX_SIDE => {
+            let need = width * height * BYTES_PER_TEXEL;
+            memory::check(need).map_err(|cause| ReadImageError::NoMemory { name, width, height, cause })?;
+            Ok((w, h))
+        }
         _ => Err(ReadImageError::TooLarge { name, width, height }),
     }
 }

@@ -11,6 +11,7 @@ use crate::filter::vmf::fit::{self, FitEvent, FitSettings, LevelStats, OwnLevels
 use crate::filter::vmf::{
     Alignment, Cancelled, Coherence, Fold, LobePyramid, MixtureLevel, Monitor, Objective, Selection, coherence, fold,
 };
+use crate::image_io::memory;
 use crate::jobs::{self, Ended, Job, JobEvent, Outbox, Wake};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
@@ -276,6 +277,7 @@ impl Fitting {
     /// Starts the job. `Err` is a sentence for the user.
     pub fn start(&mut self, wake: &Wake) -> Result<(), String> {
         let sentence = |cause: &dyn std::fmt::Display| format!("The fit cannot start: {cause}.");
+        memory::check(self.expected_bytes()).map_err(|cause| sentence(&cause))?;
         let pool = match &self.pool {
             Some(pool) => Arc::clone(pool),
             None => Arc::new(jobs::fit_pool(self.threads).map_err(|error| sentence(&error))?),
@@ -294,6 +296,12 @@ impl Fitting {
         });
         self.running = Some(Running { job: job.map_err(|error| sentence(&error))?, monitor });
         Ok(())
+    }
+
+    /// Memory that a fit with the settings in force takes: every level's lobes, aligned and not.
+    fn expected_bytes(&self) -> u64 {
+        let texels: usize = self.map.level_sizes().iter().skip(1).map(|(width, height)| width * height).sum();
+        (2 * texels * self.settings.lobes * size_of::<StoredLobe>()) as u64
     }
 
     /// Measures what the alignment of every finished level is worth; waits.

@@ -7,7 +7,7 @@ use crate::app::Command;
 use crate::comparison::Comparison;
 use crate::filter::Method;
 
-/// The first nine methods have these.
+/// The truth, the lobes and the first of their rivals have these.
 const DIGITS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
@@ -27,7 +27,9 @@ fn side(
     modifiers: Modifiers,
     set: fn(&mut Comparison, Method),
 ) -> impl Iterator<Item = Action> {
-    Method::offered().enumerate().map(move |(index, method)| {
+    let first = [Method::Truth, Method::Vmf, Method::VmfUnaligned];
+    let rivals = Method::offered().filter(move |method| !first.contains(method));
+    first.into_iter().chain(rivals).enumerate().map(move |(index, method)| {
         let make = move |facts: &Facts<'_>| change(facts, |comparison| set(comparison, method));
         let action = Action::new(Menu::View, format!("{prefix}-{method}"), method.label(), make).inside(submenu);
         match DIGITS.get(index) {

@@ -24,6 +24,7 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
     let room = ctx.content_rect().size() - egui::vec2(60.0, 110.0);
     let modal = Modal::new(Id::unique("keys")).show(ctx, |ui| {
         ui.set_width(room.x);
+        ui.set_height(room.y);
         ui.horizontal(|ui| {
             ui.label(RichText::new("Keys and gestures").heading().color(theme::STRONG));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -32,7 +33,7 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
             .inner
         })
         .inner
-            | ScrollArea::both().auto_shrink(false).max_height(room.y).show(ui, columns).inner
+            | ScrollArea::both().auto_shrink(false).show(ui, columns).inner
     });
     if modal.inner || modal.should_close() {
         context.view.overlay = Overlay::None;

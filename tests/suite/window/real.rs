@@ -70,7 +70,9 @@ impl Screen {
     }
 
     fn xdotool(&self, arguments: &str) {
-        let done = self.command("xdotool").args(arguments.split(' ')).stdout(Stdio::null()).status();
+        // A window that never comes would be waited for without end.
+        let mut command = self.command("timeout");
+        let done = command.args(["90", "xdotool"]).args(arguments.split(' ')).stdout(Stdio::null()).status();
         assert!(done.expect("xdotool runs").success(), "xdotool {arguments}");
     }
 
@@ -84,9 +86,26 @@ impl Screen {
         self.xdotool(&format!("mousemove {x} {y} sleep 0.2 mousedown 1 sleep 0.2 {moves} mouseup 1"));
     }
 
-    /// Waits until what the window keeps for its next start is as `is` says.
+    /// What the window keeps for its next start.
+    fn kept(&self) -> PathBuf {
+        self.path("config/ndf-inspector/last.ndfi.json")
+    }
+
+    /// Opens the window and waits until it shows its session, which it then keeps anew.
+    fn open_and_wait(&self, arguments: &[&str]) -> Owned {
+        let written = || std::fs::metadata(self.kept()).and_then(|metadata| metadata.modified()).ok();
+        let (before, start) = (written(), Instant::now());
+        let program = self.open(arguments);
+        while written() == before {
+            assert!(start.elapsed() < PATIENCE, "the session does not come up");
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        program
+    }
+
+    /// Waits until what the window keeps is as `is` says.
     fn wait_for(&self, what: &str, is: impl Fn(&SessionFile) -> bool) {
-        let kept = self.path("config/ndf-inspector/last.ndfi.json");
+        let kept = self.kept();
         let start = Instant::now();
         while !SessionFile::read(&kept).is_ok_and(|file| is(&file)) {
             let state = std::fs::read_to_string(&kept).unwrap_or_default();
@@ -146,23 +165,23 @@ fn the_real_window_is_driven_closed_killed_and_shows_the_same_again() {
     assert!(sample.expect("it starts").success());
     let start = screen.path("start.ndfi.json");
     std::fs::write(&start, r#"{"map": {"path": "plate.png"}, "truth_samples": 16}"#).expect("written");
-    let [lobes, wipe, level] = places(&start, ["Lobes J value", "Wipe handle", "Level 3"]);
+    let [lobes, wipe, level] = places(&start, ["Lobes J value", "Wipe handle", "Level 1"]);
 
-    let program = screen.open(&["start.ndfi.json"]);
+    let program = screen.open_and_wait(&["start.ndfi.json"]);
     screen.wait_for("the session", |file| file.truth_samples == Some(16));
     screen.click(lobes);
-    screen.xdotool("sleep 0.5 type --delay 100 3");
+    screen.xdotool("sleep 1.5 type --delay 100 3");
     screen.xdotool("key Return");
     screen.wait_for("three lobes", |file| file.fit.lobes == 3);
     screen.drag(wipe, -120.0);
     screen.wait_for("the wipe", |file| file.comparison.wipe < 0.4);
     screen.click(level);
-    screen.wait_for("level 3", |file| file.selected.is_some_and(|texel| texel.level == 3));
+    screen.wait_for("level 1", |file| file.selected.is_some_and(|texel| texel.level == 1));
     screen.xdotool("key ctrl+z");
-    screen.wait_for("undo", |file| file.selected.is_some_and(|texel| texel.level != 3));
+    screen.wait_for("undo", |file| file.selected.is_some_and(|texel| texel.level != 1));
     screen.xdotool("key ctrl+y");
-    screen.wait_for("redo", |file| file.selected.is_some_and(|texel| texel.level == 3));
-    screen.xdotool("key ctrl+shift+s sleep 0.5 key ctrl+a");
+    screen.wait_for("redo", |file| file.selected.is_some_and(|texel| texel.level == 1));
+    screen.xdotool("key ctrl+shift+s sleep 1.5 key ctrl+a sleep 0.5");
     screen.xdotool("type --delay 100 saved.ndfi.json");
     screen.xdotool("key Return");
     let saved = screen.path("saved.ndfi.json");
@@ -175,18 +194,17 @@ fn the_real_window_is_driven_closed_killed_and_shows_the_same_again() {
     let saved = SessionFile::read(&saved).expect("a session");
     assert!(saved.fit.lobes == 3 && saved.comparison.wipe < 0.4);
 
-    let killed = screen.open(&["saved.ndfi.json"]);
+    let killed = screen.open_and_wait(&["saved.ndfi.json"]);
     screen.wait_for("the same state", |file| state(file) == state(&saved));
     screen.xdotool("key e");
     screen.wait_for("a brighter picture", |file| file.surface.exposure_stops == 0.5);
     drop(killed);
-    let again = screen.open(&[]);
+    let again = screen.open_and_wait(&[]);
     let is_same = |file: &SessionFile| file.surface.exposure_stops == 0.5 && file.fit == saved.fit;
-    screen.xdotool("sleep 1 key shift+e");
-    screen.wait_for("the state before it was killed", |file| state(file) == state(&saved));
-    screen.xdotool("key e");
+    screen.wait_for("what it was killed in", is_same);
+    screen.xdotool("key shift+e");
+    screen.wait_for("the state that was saved", |file| state(file) == state(&saved));
     screen.quit(again);
-    screen.wait_for("what changed last", is_same);
 }
 
 const SAMPLE: [&str; 6] = ["sample", "plate", "-o", "plate.png", "--size", "64"];

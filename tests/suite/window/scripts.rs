@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::cli::{assert_refused, folder, run, sample};
+use crate::cli::{folder, run, sample};
 
 /// The script that the README shows.
 fn example() -> String {
@@ -35,10 +35,14 @@ fn a_step_that_cannot_be_done_names_its_line_and_the_cause() {
     let refused = |script: &str, cause: &str| {
         std::fs::write(folder.path().join("bad.txt"), script).expect("written");
         let options = ["screenshot", "plate.png", "--script", "bad.txt", "--samples", "16", "--size", "900x600"];
-        assert_refused(&run(&folder, &options), cause);
+        let output = run(&folder, &options);
+        // A driver may have had its own say before.
+        let error = String::from_utf8_lossy(&output.stderr);
+        let last = error.lines().last().unwrap_or_default();
+        assert!(output.status.code() == Some(1) && last.contains(cause), "{error}");
     };
     refused("wait\ndance", "'bad.txt', line 2: 'dance' is no step");
-    refused("\nset \"Lobes\" 3", "'bad.txt', line 2: there is no control named 'Lobes'; the nearest is 'Lobes J'.");
+    refused("\nset Lobez 3", "'bad.txt', line 2: there is no control named 'Lobez'; the nearest is 'Lobes'.");
     refused("set \"Lobes J\" 40", "line 1: 'Lobes J' goes from 1 to 16, and 40 is beyond.");
     refused("do cancel-fit", "line 1: 'cancel-fit' cannot be done now.");
     refused("open nowhere.png", "line 1: 'nowhere.png'");
