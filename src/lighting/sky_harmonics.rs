@@ -11,6 +11,14 @@
 //! the half vectors of the plane through `+z` and o, hence what they mirror, stay where they are while o moves along
 //! it. Between entries the blend is then within a percent for eyes above the horizon, where in one frame for all it
 //! errs by more than ten; towards `-z` the half-way frame is torn apart, and the error grows to some percent.
+//!
+//! What bands are worth: how far lobes of kappa 60 are off the truth at s = 64, in the mean square.
+//!
+//! | l* | 2 | 4 | 6 | 8 | 10 | 12 |
+//! | --- | --- | --- | --- | --- | --- | --- |
+//! | clear | 0.697 | 0.503 | 0.323 | 0.186 | 0.116 | 0.080 |
+//! | overcast | 0.291 | 0.049 | 0.035 | 0.032 | 0.032 | 0.032 |
+//! | studio | 0.606 | 0.373 | 0.207 | 0.101 | 0.058 | 0.047 |
 
 use std::f64::consts::PI;
 
