@@ -9,7 +9,7 @@ use crate::normal_map::pyramid::Texel;
 pub const BINS: usize = 40;
 
 /// About the most texels that are asked; a larger level is read in strides.
-const MOST_ASKED: usize = 1 << 16;
+const MOST_ASKED: usize = 1 << 14;
 
 /// The numbers of a level.
 #[derive(Clone, Debug, PartialEq)]

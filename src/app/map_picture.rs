@@ -1,7 +1,8 @@
 //! A level of the map as a picture: what part of it a view shows, and the colours of its texels.
 
-use egui::{ColorImage, Pos2, Rect, TextureHandle, TextureId, TextureOptions, Vec2, pos2, vec2};
+use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureId, TextureOptions, Vec2, pos2, vec2};
 
+use super::level_colors::LevelColors;
 use super::map_shading::MapShading;
 use super::texel_values::TexelValues;
 use super::view_state::MapView;
@@ -84,7 +85,14 @@ fn clamped(center: Vec2) -> [f32; 2] {
 #[derive(Default)]
 pub struct MapTextures {
     thumbnails: Vec<Option<(PictureKey, TextureHandle)>>,
-    views: Vec<Option<(PictureKey, ViewKey, TextureHandle)>>,
+    views: Vec<Option<LevelView>>,
+}
+
+/// What a view shows of a level.
+struct LevelView {
+    colors: LevelColors,
+    shown: ViewKey,
+    texture: TextureHandle,
 }
 
 /// What a level's picture depends on.
@@ -95,6 +103,7 @@ pub struct PictureKey {
     level: usize,
 }
 
+/// Where the level lies, the part of the window that it covers, and the pixels of that.
 type ViewKey = (MapProjection, Rect, [usize; 2]);
 
 impl PictureKey {
@@ -122,38 +131,33 @@ impl MapTextures {
     }
 
     /// The part of a level that a view shows.
-    pub fn view(
-        &mut self,
-        ctx: &egui::Context,
-        values: &TexelValues<'_>,
-        level: usize,
-        (projection, area, px): ViewKey,
-    ) -> TextureId {
+    pub fn view(&mut self, ctx: &egui::Context, values: &TexelValues<'_>, level: usize, shown: ViewKey) -> TextureId {
         if self.views.len() <= level {
             self.views.resize_with(level + 1, || None);
         }
-        let key = PictureKey::new(values, level);
-        if let Some((made, shown, texture)) = &self.views[level]
-            && (*made, *shown) == (key, (projection, area, px))
-        {
-            return texture.id();
+        let kept = &mut self.views[level];
+        if kept.as_ref().is_some_and(|view| !view.colors.are_of(values)) {
+            *kept = None;
         }
-        let image = image(values, level, &projection, area, px);
+        if let Some(view) = kept
+            && view.shown == shown
+        {
+            return view.texture.id();
+        }
+        let mut colors = kept.take().map_or_else(|| LevelColors::new(values, level), |view| view.colors);
+        let image = image(&mut |x, y| colors.get(values, x, y), values.session().map().level_size(level), shown);
         let texture = ctx.load_texture(format!("map view, level {level}"), image, TextureOptions::NEAREST);
-        self.views[level].insert((key, (projection, area, px), texture)).2.id()
+        kept.insert(LevelView { colors, shown, texture }).texture.id()
     }
 }
 
-/// The part of a level that `projection` shows, a pixel per physical pixel of `area`, each the colour of the texel
-/// under its centre.
-pub fn image(
-    values: &TexelValues<'_>,
-    level: usize,
-    projection: &MapProjection,
-    area: Rect,
-    px: [usize; 2],
+/// The part of a level of `size` that a projection shows, a pixel per physical pixel of the area, each the colour of the
+/// texel under its centre.
+fn image(
+    color: &mut dyn FnMut(usize, usize) -> Color32,
+    (width, height): (usize, usize),
+    (projection, area, px): ViewKey,
 ) -> ColorImage {
-    let (width, height) = values.session().map().level_size(level);
     let index = |uv: f32, count: usize| ((uv * count as f32) as usize).min(count - 1);
     let step = vec2(area.width() / px[0] as f32, area.height() / px[1] as f32);
     let columns: Vec<usize> = (0..px[0])
@@ -161,19 +165,9 @@ pub fn image(
         .collect();
     let rows =
         (0..px[1]).map(|i| index(projection.uv(pos2(area.min.x, area.min.y + (i as f32 + 0.5) * step.y)).y, height));
-    let (mut pixels, mut last) = (Vec::with_capacity(px[0] * px[1]), None);
+    let mut pixels = Vec::with_capacity(px[0] * px[1]);
     for y in rows {
-        // A texel that many pixels show is asked once: rows repeat, and columns within a row.
-        if last == Some(y) {
-            pixels.extend_from_within(pixels.len() - px[0]..);
-            continue;
-        }
-        last = Some(y);
-        for (i, &x) in columns.iter().enumerate() {
-            let same = i > 0 && columns[i - 1] == x;
-            let before = pixels.last().copied().filter(|_| same);
-            pixels.push(before.unwrap_or_else(|| values.color(Texel { level, x, y })));
-        }
+        pixels.extend(columns.iter().map(|&x| color(x, y)));
     }
     ColorImage::new(px, pixels)
 }

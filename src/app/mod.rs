@@ -26,9 +26,9 @@
 //! | `live_figures` | figures of the methods on show, worked out in the background |
 //! | `method_style` | how a method's curve looks in any plot |
 //! | `dolly` | the camera that runs away and back |
-//! | `map_picture` | levels as pictures |
 //! | `surface_picture` | the lit surface as a picture, with its settings below it |
-//! | `map_picture`, `level_places`, `level_histogram` | levels as pictures; where they stand; how their numbers are spread |
+//! | `map_picture`, `level_colors`, `level_places` | levels as pictures; their colours; where they stand |
+//! | `level_histogram` | how a level's numbers are spread |
 //! | `map_shading`, `texel_values`, `texel_scale` | what they show of texels, the values, the colours |
 //! | `viewport` | the bridge to the GPU: paint callbacks of surface and sphere |
 //! | `parameter` | sliders built from a parameter's description |
@@ -51,6 +51,7 @@ pub mod figures_plot;
 pub mod figures_report;
 pub mod history;
 pub mod inspector;
+pub mod level_colors;
 pub mod level_histogram;
 pub mod level_places;
 pub mod light_view;
