@@ -6,11 +6,7 @@
 struct Frame {
     clip_from_world: mat4x4f,
     eye_in_world: vec3f,
-    shininess: f32,
-    specular_color: vec3f,
-    specular: f32,
-    diffuse_color: vec3f,
-    diffuse: f32,
+    fixed_level: f32,
     uv_from_surface: mat2x2f,
     base_size: vec2f,
     vmf_lods: vec2f,
@@ -20,12 +16,11 @@ struct Frame {
     wraps: u32,
     first_sample: u32,
     sample_count: u32,
-    diffuse_rule: u32,
-    convolution: u32,
     level_choice: u32,
     most_probes: u32,
-    fixed_level: f32,
     light_count: u32,
+    padding: u32,
+    more_padding: vec2u,
     fold: array<vec4u, 4>,
     lights: array<Light, 8>,
 }
@@ -53,7 +48,7 @@ const MAX_LOBES: u32 = 16u;
 const LEAST_DERIVATIVE: f32 = 1e-6;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-// Exact convolutions, a layer per exponent; empty where no rule asks for them.
+// Exact convolutions, a layer per model; empty where no rule asks for them.
 @group(0) @binding(1) var exact_tables: texture_2d_array<f32>;
 
 // Mean normals of every level; the first level holds the map's own normals, zero where they are invalid.
@@ -117,16 +112,9 @@ fn tangents_of(corner: Corner) -> array<vec3f, 2> {
     );
 }
 
-fn material() -> Material {
-    return Material(
-        frame.shininess,
-        frame.specular,
-        frame.diffuse,
-        frame.convolution,
-        frame.diffuse_rule,
-        frame.specular_color,
-        frame.diffuse_color,
-    );
+// The material as it reflects this light.
+fn material_towards(incident: Incident) -> Material {
+    return with_factor(incident.unfiltered);
 }
 
 // Fine derivatives, explicitly: the coarse ones may leave out half the quad, and the processor's twin takes these.
@@ -144,10 +132,11 @@ fn footprint_of(point: Point, lookup: Lookup) -> PixelFootprint {
     return PixelFootprint(stretch.x * lookup.uv_dx, stretch.y * lookup.uv_dy, perspective);
 }
 
-// What a light gives at the pixel's point.
+// What a light gives at the pixel's point, and the material's factor for it.
 struct Incident {
     local: LocalLight,
     radiance: vec3f,
+    unfiltered: vec3f,
 }
 
 // The least squared distance that is told apart (lighting/light.rs).
@@ -169,7 +158,9 @@ fn incident_light(point: Point, index: u32) -> Incident {
     let light = frame.lights[index];
     let to_light = light.position_in_world.xyz - light.position_in_world.w * point.position_in_world;
     let squared = max(dot(to_light, to_light), LEAST_SQUARED);
-    return Incident(local_light(point, normalize_or_zero(to_light)), light.radiance / squared);
+    let local = local_light(point, normalize_or_zero(to_light));
+    let difference_cosine = dot(local.light_in_tangent, local.half_in_tangent);
+    return Incident(local, light.radiance / squared, unfiltered(difference_cosine));
 }
 
 // The frame of the surface at a point: tangent, bitangent and normal.
@@ -226,12 +217,12 @@ fn reflect_all(normal: vec3f, pixel: vec2u, index: u32) -> vec3f {
     var sum = vec3f(0.0);
     for (var light = 0u; light < frame.light_count; light++) {
         let local = incident[light].local;
-        let half_cosine = dot(normal, local.half_in_tangent);
-        let light_cosine = dot(normal, local.light_in_tangent);
-        sum += incident[light].radiance * reflect(material(), frame.shininess, half_cosine, light_cosine);
+        let material = material_towards(incident[light]);
+        let specular = specular_at(material, dot(normal, local.half_in_tangent));
+        sum += incident[light].radiance * reflect(material, specular, dot(normal, local.light_in_tangent));
     }
     if SKY {
-        sum += sample_sky(normal, pixel, index, material());
+        sum += sample_sky(normal, pixel, index);
     }
     return sum;
 }
@@ -328,7 +319,7 @@ fn shade_lobe(lobe: ColoredLobe, light: LocalLight, material: Material) -> vec3f
     let mu = resultant / max(length, 1e-12);
     let kappa = concentration(1.0 - length);
     let light_cosine = dot(mu, light.light_in_tangent);
-    let specular = convolved(material.convolution, kappa, material.shininess, dot(mu, light.half_in_tangent));
+    let specular = blurred_at(material, kappa, dot(mu, light.half_in_tangent));
     let diffuse = diffuse_cosine(material.diffuse_rule, kappa, light_cosine);
     return lobe_color(lobe) * (
         material.specular * specular * max(light_cosine, 0.0) * material.specular_color
@@ -339,7 +330,7 @@ fn shade_lobe(lobe: ColoredLobe, light: LocalLight, material: Material) -> vec3f
 fn reflect_lobe(lobe: ColoredLobe) -> vec3f {
     var sum = vec3f(0.0);
     for (var light = 0u; light < frame.light_count; light++) {
-        sum += incident[light].radiance * shade_lobe(lobe, incident[light].local, material());
+        sum += incident[light].radiance * shade_lobe(lobe, incident[light].local, material_towards(incident[light]));
     }
     if SKY {
         sum += lobe_color(lobe) * shade_sky(lobe_of_mean(lobe.stored.yzw / lobe.stored.x));

@@ -1,6 +1,7 @@
 //! The command line: what can be asked for, and the way it is carried out.
 
 pub mod adapters;
+pub mod brdf;
 pub mod bump;
 pub mod compare;
 pub mod doctor;

@@ -131,7 +131,8 @@ pub fn shade_point(
     let of_light = |light: &Light| {
         let incident = light.at(point.position_in_world);
         let local = point.local_light(incident.direction_in_world, to_eye);
-        incident.radiance * over_probes(&|lookup| filter.shade(lookup, &local, &surface.material))
+        let material = surface.material.towards(local.light_in_tangent.dot(local.half_in_tangent));
+        incident.radiance * over_probes(&|lookup| filter.shade(lookup, &local, &material))
     };
     let of_lights: Vec3 = surface.lights.as_slice().iter().map(of_light).sum();
     let sky = LocalSky::new(&surface.sky, &surface.material, point.world_from_tangent(), to_eye);

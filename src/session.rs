@@ -8,6 +8,7 @@
 pub mod file;
 pub mod fitting;
 pub mod kept;
+pub mod measured;
 pub mod mesh_opening;
 pub mod opening;
 pub mod recent;
@@ -84,6 +85,7 @@ pub struct Session {
     opening: Opening,
     sky_opening: sky::SkyOpening,
     mesh_opening: MeshOpening,
+    measuring: measured::Measuring,
     rivals: rivals::Rivals,
     recent: recent::RecentFiles,
     saving: saving::Saving,
@@ -131,6 +133,7 @@ impl Session {
             opening: Opening::default(),
             sky_opening: sky::SkyOpening::default(),
             mesh_opening: MeshOpening::default(),
+            measuring: measured::Measuring::default(),
             rivals: rivals::Rivals::default(),
             recent: recent::RecentFiles::default(),
             saving: saving::Saving::default(),
@@ -418,6 +421,7 @@ impl Session {
         }
         changed |= self.poll_sky();
         changed |= self.poll_mesh();
+        changed |= self.poll_measured();
         changed |= self.fitting.poll(&mut messages);
         self.fitting.measure(&self.wake);
         let mip = || Arc::clone(self.mip.get_or_init(|| Arc::new(PlainMip::new(Arc::clone(&self.map)))));

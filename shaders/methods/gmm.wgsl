@@ -12,7 +12,7 @@ fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec
             continue;
         }
         let mean = stored.yz / weight;
-        let variance = max(stored.w / weight - 0.5 * dot(mean, mean), 0.0) + 1.0 / material.shininess;
+        let variance = max(stored.w / weight - 0.5 * dot(mean, mean), 0.0) + 1.0 / material.exponent;
         let normal = normalize(vec3f(mean, sqrt(max(1.0 - dot(mean, mean), 0.0))));
         let cosine = weight * max(dot(normal, light.light_in_tangent), 0.0);
         diffuse += cosine;

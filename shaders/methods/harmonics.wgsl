@@ -1,36 +1,17 @@
-// Twin of filter/harmonics.rs and of sphere/harmonics.rs. Both parts of the material go together, the specular one at
-// the half vector in x, the diffuse one at the light in y.
+// Twin of filter/harmonics.rs and of sphere/harmonics.rs. Both parts of the material go together: sums hold the specular
+// one per channel, then the diffuse one; pairs the half vector's value in x, the light's in y.
 
 const PI: f32 = 3.1415927;
-const BANDS: u32 = 13u;
-
-// rho_l of both parts: Blinn-Phong's, exact or the paper's, and the Lambertian's, which is s = 1.
-fn multipliers(material: Material) -> array<vec2f, BANDS> {
-    let s = vec2f(material.shininess, 1.0);
-    var rho = array<vec2f, BANDS>();
-    rho[0] = vec2f(1.0);
-    rho[1] = (s + 1.0) / (s + 2.0);
-    for (var l = 2u; l <= method.parameter; l++) {
-        rho[l] = rho[l - 2u] * (s - f32(l) + 2.0) / (s + f32(l) + 1.0);
-    }
-    if material.convolution == PAPER {
-        for (var l = 0u; l <= method.parameter; l++) {
-            rho[l].x = exp(-f32(l * l) / (2.0 * material.shininess));
-        }
-    }
-    return rho;
-}
 
 // sum_l (2l+1)/(4 pi) rho_l P_l(u).
-fn zonal_series(multipliers: array<vec2f, BANDS>, cosine: vec2f) -> vec2f {
-    var rho = multipliers;
+fn zonal_series(cosine: vec2f) -> vec4f {
     let u = clamp(cosine, vec2f(-1.0), vec2f(1.0));
     var previous = vec2f(0.0);
     var current = vec2f(1.0);
-    var sum = vec2f(0.0);
+    var sum = vec4f(0.0);
     for (var l = 0u; l <= method.parameter; l++) {
         let band = f32(l);
-        sum += (2.0 * band + 1.0) * rho[l] * current;
+        sum += (2.0 * band + 1.0) * reflectance.multipliers[l] * current.xxxy;
         let next = ((2.0 * band + 1.0) * u * current - band * previous) / (band + 1.0);
         previous = current;
         current = next;
@@ -39,14 +20,14 @@ fn zonal_series(multipliers: array<vec2f, BANDS>, cosine: vec2f) -> vec2f {
 }
 
 // The series between the base texels around a point, each one normal.
-fn base_series(rho: array<vec2f, BANDS>, lookup: Lookup, light: LocalLight) -> vec2f {
+fn base_series(lookup: Lookup, light: LocalLight) -> vec4f {
     var taps = bilinear(lookup.uv, vec2i(textureDimensions(means)), frame.wraps != 0u);
-    var sum = vec2f(0.0);
+    var sum = vec4f(0.0);
     for (var i = 0; i < 4; i++) {
         let normal = textureLoad(means, taps.texel[i], 0).xyz;
         if any(normal != vec3f(0.0)) {
             let cosine = vec2f(dot(normal, light.half_in_tangent), dot(normal, light.light_in_tangent));
-            sum += taps.weight[i] * zonal_series(rho, cosine);
+            sum += taps.weight[i] * zonal_series(cosine);
         }
     }
     return sum;
@@ -62,15 +43,14 @@ fn legendre_step(l: f32, m: f32, z: vec2f, last: vec2f, second_last: vec2f) -> v
 }
 
 // sum_lm rho_l gamma_lm Y_lm between the coarse levels around a point, in the order of the stored coefficients.
-fn coarse_series(multipliers: array<vec2f, BANDS>, lookup: Lookup, lod: f32, light: LocalLight) -> vec2f {
-    var rho = multipliers;
+fn coarse_series(lookup: Lookup, lod: f32, light: LocalLight) -> vec4f {
     let x = vec2f(light.half_in_tangent.x, light.light_in_tangent.x);
     let y = vec2f(light.half_in_tangent.y, light.light_in_tangent.y);
     let z = vec2f(light.half_in_tangent.z, light.light_in_tangent.z);
     var diagonal = sqrt(0.25 / PI);
     var cosine = vec2f(1.0);
     var sine = vec2f(0.0);
-    var sum = vec2f(0.0);
+    var sum = vec4f(0.0);
     var stored = vec4f(0.0);
     var index = 0u;
     for (var m = 0u; m <= method.parameter; m++) {
@@ -94,7 +74,7 @@ fn coarse_series(multipliers: array<vec2f, BANDS>, lookup: Lookup, lod: f32, lig
                     stored = channel_layer(lookup, lod, index / 4u);
                 }
                 let turn = select(sqrt(2.0) * select(cosine, sine, side == 1u), vec2f(1.0), m == 0u);
-                sum += rho[l] * stored[index % 4u] * current * turn;
+                sum += stored[index % 4u] * reflectance.multipliers[l] * (current * turn).xxxy;
                 index++;
             }
         }
@@ -103,20 +83,19 @@ fn coarse_series(multipliers: array<vec2f, BANDS>, lookup: Lookup, lod: f32, lig
 }
 
 fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec3f {
-    let rho = multipliers(material);
     // Base texels are not stored: below level 1 their series are blended in by hand.
     let base_share = clamp(1.0 - lod, 0.0, 1.0);
-    var sum = vec2f(0.0);
+    var sum = vec4f(0.0);
     if base_share > 0.0 {
-        sum += base_share * base_series(rho, lookup, light);
+        sum += base_share * base_series(lookup, light);
     }
     if base_share < 1.0 {
-        sum += (1.0 - base_share) * coarse_series(rho, lookup, max(lod, 1.0), light);
+        sum += (1.0 - base_share) * coarse_series(lookup, max(lod, 1.0), light);
     }
     let normal = normalize_or_zero(mean_normal(lookup, lod));
-    let specular = sum.x * max(dot(normal, light.light_in_tangent), 0.0);
+    let specular = sum.xyz * max(dot(normal, light.light_in_tangent), 0.0);
     return material.specular * specular * material.specular_color
-        + material.diffuse * PI * sum.y * material.diffuse_color;
+        + material.diffuse * PI * sum.w * material.diffuse_color;
 }
 
 fn ndf_lobe_count() -> u32 {

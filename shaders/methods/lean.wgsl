@@ -19,10 +19,8 @@ fn slope_density(first: vec4f, second: vec4f, exponent: f32, half: vec3f) -> f32
 fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec3f {
     let first = channel_layer(lookup, lod, 0u);
     let second = channel_layer(lookup, lod, 1u);
-    let specular = slope_density(first, second, material.shininess, light.half_in_tangent);
-    let cosine = max(dot(normalize(vec3f(first.xy, 1.0)), light.light_in_tangent), 0.0);
-    return cosine
-        * (material.specular * specular * material.specular_color + material.diffuse * material.diffuse_color);
+    let specular = slope_density(first, second, material.exponent, light.half_in_tangent);
+    return reflect(material, vec3f(specular), dot(normalize(vec3f(first.xy, 1.0)), light.light_in_tangent));
 }
 
 fn ndf_lobe_count() -> u32 {

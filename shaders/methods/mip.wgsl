@@ -2,8 +2,8 @@
 
 fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec3f {
     let normal = normalize_or_zero(mean_normal(lookup, lod));
-    let half_cosine = dot(normal, light.half_in_tangent);
-    return reflect(material, material.shininess, half_cosine, dot(normal, light.light_in_tangent));
+    let specular = specular_at(material, dot(normal, light.half_in_tangent));
+    return reflect(material, specular, dot(normal, light.light_in_tangent));
 }
 
 fn ndf_lobe_count() -> u32 {

@@ -8,8 +8,9 @@ fn widened_exponent(length: f32, exponent: f32) -> f32 {
 fn shade(lookup: Lookup, lod: f32, light: LocalLight, material: Material) -> vec3f {
     let mean = mean_normal(lookup, lod);
     let normal = normalize_or_zero(mean);
-    let exponent = widened_exponent(length(mean), material.shininess);
-    return reflect(material, exponent, dot(normal, light.half_in_tangent), dot(normal, light.light_in_tangent));
+    let exponent = widened_exponent(length(mean), material.exponent);
+    let specular = blinn_phong(exponent, dot(normal, light.half_in_tangent));
+    return reflect(material, vec3f(specular), dot(normal, light.light_in_tangent));
 }
 
 fn ndf_lobe_count() -> u32 {

@@ -1,21 +1,25 @@
 // Twin of brdf/exact_table.rs; the tables' texture is the pass's to bind.
 
-// Lobes sharper than this are taken by the rule of s + 1 (sphere/vmf.rs).
+// Lobes sharper than this are taken by a closed form (sphere/vmf.rs).
 const KAPPA_MAX: f32 = 1e5;
 const LIT: f32 = 128.0;
 const DARK: f32 = 32.0;
 
-// The table of the material's exponent, and that of the clamped cosine, s = 1.
+// The tables of the material, a measured one's by channel, and that of the clamped cosine, s = 1.
 const OF_MATERIAL: i32 = 0;
-const OF_LAMBERTIAN: i32 = 1;
+const OF_LAMBERTIAN: i32 = 3;
 
-// The density of a von Mises-Fisher lobe, per steradian.
-fn vmf_density(kappa: f32, cosine: f32) -> f32 {
+// What the convolution is nearly, per steradian: a von Mises-Fisher lobe, or a tail from the same peak.
+fn reference(table: i32, kappa: f32, cosine: f32) -> f32 {
     var peak = 0.5 + 0.5 * kappa;
     if kappa >= 1e-3 {
         peak = kappa / (1.0 - exp(-2.0 * kappa));
     }
-    return peak / TAU * exp(kappa * (cosine - 1.0));
+    let fall = kappa * (1.0 - cosine);
+    if (MODEL == GGX || MODEL == MEASURED) && table != OF_LAMBERTIAN {
+        return peak / TAU / ((1.0 + fall) * (1.0 + fall));
+    }
+    return peak / TAU * exp(-fall);
 }
 
 fn exact_ratio(table: i32, row: f32, column: f32) -> f32 {
@@ -35,11 +39,8 @@ fn exact_ratio(table: i32, row: f32, column: f32) -> f32 {
     return mix(upper, lower, blend.y);
 }
 
-// Blinn-Phong of the table's exponent `shininess` convolved with a lobe of concentration `kappa`, exactly.
+// The table's model, of equivalent exponent `shininess`, convolved with a lobe of concentration `kappa` up to KAPPA_MAX.
 fn exact_convolved(table: i32, kappa: f32, shininess: f32, cosine: f32) -> f32 {
-    if kappa > KAPPA_MAX {
-        return blinn_phong(blurred_exponent(SHIFTED_EXPONENT, kappa, shininess), cosine);
-    }
     let s1 = shininess + 1.0;
     let u = clamp(cosine, -1.0, 1.0);
     let width = kappa * s1 / (kappa + s1);
@@ -54,5 +55,5 @@ fn exact_convolved(table: i32, kappa: f32, shininess: f32, cosine: f32) -> f32 {
     } else {
         column *= log(1.0 + width * (1.0 - u)) / log(1.0 + width);
     }
-    return exact_ratio(table, row, column) * vmf_density(width, u);
+    return exact_ratio(table, row, column) * reference(table, width, u);
 }

@@ -1,16 +1,5 @@
 // Twin of filter/mod.rs.
 
-// A Lambertian and a Blinn-Phong part.
-struct Material {
-    shininess: f32,
-    specular: f32,
-    diffuse: f32,
-    convolution: u32,
-    diffuse_rule: u32,
-    specular_color: vec3f,
-    diffuse_color: vec3f,
-}
-
 // A pixel's view of the map.
 struct Lookup {
     uv: vec2f,
@@ -34,8 +23,8 @@ fn normalize_or_zero(v: vec3f) -> vec3f {
     return vec3f(0.0);
 }
 
-// (Ks f(h) + Kd) max(cos, 0) of one lobe or normal (Han et al. 2007, Algorithm 2), linear RGB.
-fn reflect(material: Material, exponent: f32, half_cosine: f32, light_cosine: f32) -> vec3f {
-    let specular = material.specular * blinn_phong(exponent, half_cosine);
-    return (specular * material.specular_color + material.diffuse * material.diffuse_color) * max(light_cosine, 0.0);
+// (Ks f(h) + Kd) max(cos, 0) of one lobe or normal (Han et al. 2007, Algorithm 2), linear RGB; `specular` is f(h).
+fn reflect(material: Material, specular: vec3f, light_cosine: f32) -> vec3f {
+    return (material.specular * specular * material.specular_color + material.diffuse * material.diffuse_color)
+        * max(light_cosine, 0.0);
 }

@@ -29,7 +29,7 @@ fn channel_layer(lookup: Lookup, lod: f32, layer: u32) -> vec4f {
 fn reflect_around(lookup: Lookup, lod: f32) -> vec3f {
     var sum = vec3f(0.0);
     for (var light = 0u; light < frame.light_count; light++) {
-        sum += incident[light].radiance * shade(lookup, lod, incident[light].local, material());
+        sum += incident[light].radiance * shade(lookup, lod, incident[light].local, material_towards(incident[light]));
     }
     if SKY {
         for (var index = 0u; index < ndf_lobe_count(); index++) {

@@ -186,10 +186,10 @@ fn shade_sky(lobe: NdfLobe) -> vec3f {
     let zonal = lobe_zonal(lobe.concentration);
     let diffuse = sky_series(SPECULAR_TERMS, DIFFUSE_BAND, DIFFUSE_BAND, zonal, mu);
     let specular = sky_series(0u, MOST_BANDS, sky.last_band, zonal, half_way(local_sky.to_eye, mu));
-    return sky.intensity * lobe.weight * (diffuse + specular);
+    return sky.intensity * lobe.weight * (diffuse + unfiltered(dot(mu, local_sky.to_eye)) * specular);
 }
 
-// A half vector about `normal` with the density of the material's Blinn-Phong (basis of Duff et al. 2017).
+// A half vector about `normal` with the density of the Blinn-Phong as wide as the material (basis of Duff et al. 2017).
 fn half_vector_about(normal: vec3f, exponent: f32, at: vec2f) -> vec3f {
     let cosine = exp(log(1.0 - at.x) / (exponent + 1.0));
     let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
@@ -203,34 +203,35 @@ fn half_vector_about(normal: vec3f, exponent: f32, at: vec2f) -> vec3f {
 }
 
 // L reflect / pi of one direction over the density with which it is drawn.
-fn sky_estimate(normal: vec3f, direction: vec3f, material: Material) -> vec3f {
+fn sky_estimate(normal: vec3f, direction: vec3f) -> vec3f {
     let half = normalize_or_zero(direction + local_sky.to_eye);
+    let material = with_factor(unfiltered(dot(half, local_sky.to_eye)));
     let texel = sky_texel(direction);
     let mirrored = 4.0 * max(dot(half, local_sky.to_eye), LEAST_COSINE);
-    let density = 0.5 * (texel.a + blinn_phong(material.shininess, dot(half, normal)) / mirrored);
+    let density = 0.5 * (texel.a + blinn_phong(material.exponent, dot(half, normal)) / mirrored);
     if density <= 0.0 {
         return vec3f(0.0);
     }
-    let reflected = reflect(material, material.shininess, dot(half, normal), dot(normal, direction));
+    let reflected = reflect(material, specular_at(material, dot(half, normal)), dot(normal, direction));
     return sky.intensity / (SKY_PI * density) * texel.rgb * reflected;
 }
 
 // Sample `index` of a pixel of what one normal reflects, linear RGB.
-fn sample_sky(normal_in_tangent: vec3f, pixel: vec2u, index: u32, material: Material) -> vec3f {
+fn sample_sky(normal_in_tangent: vec3f, pixel: vec2u, index: u32) -> vec3f {
     let normal = local_sky.sky_from_tangent * normal_in_tangent;
     let seeds = sky_seeds(pixel);
     let nth = index / 2u;
     if index % 2u == 0u {
         let place = (seeds.z + nth) % SKY_SAMPLES;
-        return sky_estimate(normal, textureLoad(sky_samples, vec2u(place % 128u, place / 128u), 0).xyz, material);
+        return sky_estimate(normal, textureLoad(sky_samples, vec2u(place % 128u, place / 128u), 0).xyz);
     }
     let at = vec2f((seeds.xy + nth * SKY_STEP) >> vec2u(8u)) / 16777216.0;
-    let half = half_vector_about(normal, material.shininess, at);
+    let half = half_vector_about(normal, reflectance.material.exponent, at);
     let cosine = dot(half, local_sky.to_eye);
     if cosine < LEAST_COSINE {
         return vec3f(0.0);
     }
-    return sky_estimate(normal, 2.0 * cosine * half - local_sky.to_eye, material);
+    return sky_estimate(normal, 2.0 * cosine * half - local_sky.to_eye);
 }
 
 // The pixel's third to fifth seed, after those of its jitter.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::ViewState;
 use super::built_filters::{BuiltFilters, FilterSource};
-use crate::brdf::{BlinnPhong, Brdf, Material};
+use crate::brdf::{Brdf, Material};
 use crate::comparison::Comparison;
 use crate::filter::brdf_error::TexelTruth;
 use crate::filter::brdf_shape::{Disc, Peak, Slice};
@@ -76,8 +76,7 @@ pub struct MaterialKey {
 
 impl From<&Material> for MaterialKey {
     fn from(material: &Material) -> Self {
-        let brdf = Brdf::BlinnPhong(BlinnPhong { shininess: f64::from(material.shininess) });
-        Self { brdf, rules: Rules { convolution: material.convolution, ..Rules::default() } }
+        Self { brdf: material.brdf(), rules: Rules { convolution: material.convolution, ..Rules::default() } }
     }
 }
 

@@ -50,6 +50,10 @@ pub enum Command {
     OpenMeshDialog,
     /// Read the open map anew, another way.
     Reopen(MapOptions),
+    /// Ask for a file of measured reflectance, then take it up as the material.
+    OpenMeasuredDialog,
+    /// Take up the measured reflectance at a path.
+    OpenMeasured(PathBuf),
     /// Fit with other settings.
     SetFit(FitSettings),
     /// Start the fit anew.
@@ -108,6 +112,8 @@ impl Command {
             Self::OpenMesh(path) => session.open_mesh(path),
             Self::OpenMeshDialog => session.open_mesh_dialog(),
             Self::Reopen(options) => session.reopen(options),
+            Self::OpenMeasuredDialog => session.open_measured_dialog(),
+            Self::OpenMeasured(path) => session.open_measured(path),
             Self::SetFit(settings) => session.set_fit_settings(settings),
             Self::Refit => session.refit(),
             Self::CancelFit => session.cancel_fit(),

@@ -117,6 +117,7 @@ impl Inspector {
         self.live_figures.update(self.live_task(), &self.wake);
         self.view.light.sweep(&mut self.session.surface.lights, ctx);
         self.view.dolly.run(&mut self.session.surface.camera, ctx);
+        self.view.drying.play(&mut self.session.surface.material, ctx);
         self.follow_texels();
         if self.surroundings.live && (self.session.fitting().is_running() || self.errors.is_running()) {
             // Jobs wake the window for each level; the figures in between move ten times a second.
@@ -142,7 +143,7 @@ impl Inspector {
         let computing = computing || session.is_saving() || self.figures.is_running() || self.figures.is_saving();
         let computing = computing || self.exports.is_writing();
         let gathering = self.report.is_gathering() || self.brdf.is_running() || self.trace.is_running();
-        let opening = session.is_opening() || session.is_opening_sky();
+        let opening = session.is_opening() || session.is_opening_sky() || session.is_measuring();
         let busy = computing || gathering || self.errors.is_running() || opening || self.view.is_playing();
         let drawing = self.surroundings.target.status.get().wants_more;
         !busy && !drawing && self.live_figures.is_done(self.live_task().as_ref())
@@ -244,6 +245,10 @@ impl Inspector {
         let Some(file) = ctx.input(|input| input.raw.dropped_files.last().cloned()) else { return };
         let options = self.session.options_for_another_map();
         let path = file.path().to_owned();
+        if path.extension().is_some_and(|extension| extension == "binary") {
+            self.session.open_measured(path);
+            return;
+        }
         if import::is_mesh_path(&path) {
             self.session.open_mesh(path);
             return;

@@ -43,6 +43,7 @@ pub mod command;
 pub mod disc_textures;
 pub mod document;
 pub mod dolly;
+pub mod drying_view;
 pub mod error_report;
 pub mod export_view;
 pub mod exports;

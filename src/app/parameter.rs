@@ -6,6 +6,7 @@
 use egui::{DragValue, Label, Response, Sense, Slider, Ui};
 
 use super::theme;
+use crate::brdf::ModelParameter;
 
 /// A number that the user may set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +25,20 @@ pub struct Parameter {
     pub logarithmic: bool,
     /// What it does, with the number of the equation where there is one.
     pub tooltip: &'static str,
+}
+
+impl From<&ModelParameter> for Parameter {
+    fn from(parameter: &ModelParameter) -> Self {
+        Self {
+            name: parameter.label,
+            range: parameter.range.map(f64::from),
+            default: parameter.default.into(),
+            unit: "",
+            decimals: parameter.decimals,
+            logarithmic: true,
+            tooltip: parameter.tooltip,
+        }
+    }
 }
 
 /// Width of the labels, so that sliders stand in one column.

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::dolly::Dolly;
+use super::drying_view::DryingView;
 use super::export_view::ExportView;
 use super::level_places::MapLevels;
 use super::light_view::LightView;
@@ -179,6 +180,11 @@ pub struct ViewState {
     pub show_brdf: bool,
     /// The method whose effective BRDFs are held against the truth; without one, a method of the comparison.
     pub judged: Option<Method>,
+    /// The drying that the material may follow.
+    pub drying: DryingView,
+    /// The path of a measured reflectance that is being typed.
+    #[serde(skip)]
+    pub typed_measured: String,
     /// The path that is being typed.
     #[serde(skip)]
     pub typed_path: String,
@@ -206,7 +212,7 @@ impl MapView {
 impl ViewState {
     /// True while a light or the camera moves by itself.
     pub fn is_playing(&self) -> bool {
-        self.light.is_sweeping || self.dolly.is_playing
+        self.light.is_sweeping || self.dolly.is_playing || self.drying.is_playing
     }
 
     /// The method that is held against the truth: the `chosen` one, else the right or the left one of the comparison,

@@ -15,6 +15,7 @@ use super::look::LookArguments;
 use super::options::{FitArguments, MapArguments, write_text};
 use super::render::{PICTURE_SAMPLES, PictureSize};
 use super::start::Start;
+use crate::brdf::{BlinnPhong, Brdf};
 use crate::filter::{MethodChoice, Rival};
 use crate::gpu::Gpu;
 use crate::headless::Screenshot;
@@ -53,7 +54,7 @@ pub struct CompareCommand {
     /// Distances from the eye to the surface's centre, with commas between.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_distance)]
     pub distances: Vec<f32>,
-    /// Exponents of the material, with commas between.
+    /// Exponents of a Blinn-Phong material, with commas between.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_exponent, conflicts_with = "brdf")]
     pub exponents: Vec<f32>,
     /// Measure the mean change from frame to frame too, each method's beside the truth's, over a dolly of N frames:
@@ -162,10 +163,13 @@ impl CompareCommand {
     fn points(&self, session: &Session) -> Vec<Point> {
         let or = |values: &[f32], value: f32| if values.is_empty() { vec![value] } else { values.to_vec() };
         let mut points = Vec::new();
-        for shininess in or(&self.exponents, session.surface.material.shininess) {
+        for shininess in or(&self.exponents, session.surface.material.exponent()) {
             for distance in or(&self.distances, session.surface.camera.distance) {
                 let mut surface: LitSurface = session.surface.clone();
-                (surface.material.shininess, surface.camera.distance) = (shininess, distance);
+                surface.camera.distance = distance;
+                if !self.exponents.is_empty() {
+                    surface.material.set_brdf(Brdf::BlinnPhong(BlinnPhong { shininess: shininess.into() }));
+                }
                 points.push(Point { surface, fit: *session.fit_settings() });
             }
         }

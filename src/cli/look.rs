@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use clap::Args;
 
+use super::brdf::BrdfArgument;
+use super::options::parse_fresnel;
 use super::rules::{Convolution, Diffuse};
-use crate::brdf::Brdf;
 use crate::filter::LevelChoice;
 use crate::filter::probes::MOST_PROBES;
 use crate::lighting::sky_harmonics::MOST_BANDS;
@@ -18,9 +19,12 @@ use crate::scene::{FrameRule, Model, Shape, ShapeKind};
 /// The surface, its material and the level it reads.
 #[derive(Args, Clone, Debug, Default)]
 pub struct LookArguments {
-    /// The material's BRDF: lambert or blinn-phong:S.
+    /// The material's BRDF: lambert, blinn-phong:S, torrance-sparrow:SIGMA, ggx:ALPHA or merl:FILE.
     #[arg(long, value_name = "BRDF")]
-    pub brdf: Option<Brdf>,
+    pub brdf: Option<BrdfArgument>,
+    /// Strength of Schlick's Fresnel factor, 1 - F0: from 0, none, to 1.
+    #[arg(long, value_name = "STRENGTH", value_parser = parse_fresnel)]
+    pub fresnel: Option<f32>,
     /// How a lobe and the material are convolved.
     #[arg(long, value_enum)]
     pub convolution: Option<Convolution>,
@@ -146,10 +150,10 @@ impl LookArguments {
     /// One sentence that says what cannot be.
     pub fn apply_to(&self, surface: &mut LitSurface, model: Option<Arc<Model>>) -> anyhow::Result<()> {
         let material = &mut surface.material;
-        material.shininess = self.brdf.map_or(material.shininess, |brdf| brdf.exponent() as f32);
-        if self.brdf == Some(Brdf::Lambert) {
-            material.specular = 0.0;
+        if let Some(brdf) = &self.brdf {
+            material.set_brdf(brdf.read()?);
         }
+        material.fresnel = self.fresnel.unwrap_or(material.fresnel);
         material.convolution = self.convolution.map_or(material.convolution, Convolution::rule);
         material.diffuse_rule = self.diffuse.map_or(material.diffuse_rule, Diffuse::rule);
         if let Some(model) = model {

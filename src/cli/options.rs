@@ -260,3 +260,12 @@ pub fn read_text(path: &PathBuf) -> anyhow::Result<String> {
     }
     std::fs::read_to_string(path).with_context(|| format!("'{}' cannot be read", path.display()))
 }
+
+/// Reads the strength of a Fresnel factor.
+///
+/// # Errors
+/// What may be written.
+pub fn parse_fresnel(text: &str) -> Result<f32, String> {
+    let strength = text.parse().ok().filter(|strength| (0.0..=1.0).contains(strength));
+    strength.ok_or_else(|| "write a strength from 0 to 1".to_owned())
+}

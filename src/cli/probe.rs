@@ -6,10 +6,10 @@ use std::sync::Arc;
 use clap::Args;
 use serde::Serialize;
 
+use super::brdf::BrdfArgument;
 use super::fit::check_texel;
 use super::options::{FitArguments, MapArguments, read_text, wait_for_fit, write_text};
 use super::rules::{Convolution, Diffuse};
-use crate::brdf::Brdf;
 use crate::filter::rival::Source;
 use crate::filter::vmf::{Alignment, Fold, Monitor, Rules};
 use crate::filter::{Method, MethodChoice};
@@ -31,10 +31,10 @@ pub struct ProbeCommand {
     /// The method: truth, mip, mip-unnormalised, toksvig, lean, gmm:N, sh:LMAX, vmf:J or vmf:J:unaligned.
     #[arg(long, value_name = "METHOD")]
     pub method: MethodChoice,
-    /// The BRDF: lambert or blinn-phong:S.
+    /// The BRDF: lambert, blinn-phong:S, torrance-sparrow:SIGMA, ggx:ALPHA, or merl:FILE, by its luminance.
     #[arg(long, value_name = "BRDF", default_value = "blinn-phong:64")]
-    pub brdf: Brdf,
-    /// How a lobe and Blinn-Phong are convolved, for vmf; paper takes the paper's multipliers for sh.
+    pub brdf: BrdfArgument,
+    /// How a lobe and the BRDF are convolved, for vmf; paper takes the paper's multipliers for sh.
     #[arg(long, value_enum, default_value_t)]
     pub convolution: Convolution,
     /// How a lobe reflects diffusely, for vmf.
@@ -78,6 +78,7 @@ impl ProbeCommand {
     /// One sentence that names the file and the cause.
     pub fn run(self) -> anyhow::Result<()> {
         let omegas = self.directions()?;
+        let brdf = self.brdf.read()?;
         let opened = self.map_arguments.read(&self.map)?;
         let sizes = opened.map.level_sizes();
         self.texels.iter().try_for_each(|texel| check_texel(*texel, &sizes))?;
@@ -100,12 +101,12 @@ impl ProbeCommand {
             level: texel.level,
             x: texel.x,
             y: texel.y,
-            values: omegas.iter().map(|omega| filter.effective_brdf(texel, self.brdf, omega.vector())).collect(),
+            values: omegas.iter().map(|omega| filter.effective_brdf(texel, brdf, omega.vector())).collect(),
         };
         let lobes = self.method.method.shows_lobes().then_some(settings.lobes);
         let method = MethodChoice { lobes, ..self.method }.to_string();
         let texels = self.texels.iter().map(texel_report).collect();
-        let report = Report { schema: 1, method, brdf: self.brdf.to_string(), texels };
+        let report = Report { schema: 1, method, brdf: brdf.to_string(), texels };
         match &self.json {
             Some(path) => write_text(path, &serde_json::to_string_pretty(&report)?),
             None => write_text("-".as_ref(), report.to_text().trim_end()),

@@ -5,7 +5,7 @@ use clap::ValueEnum;
 use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::normal_map::SlopeKernel;
 
-/// How a lobe and Blinn-Phong are convolved.
+/// How a lobe and a BRDF are convolved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Convolution {
     /// Equation 20 of Han et al. 2007.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::options::{FitArguments, MapArguments};
 use crate::normal_map::procedural;
 use crate::session::file::SessionFile;
-use crate::session::{Session, opening};
+use crate::session::{Session, measured, opening};
 
 /// What a session starts from.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +46,9 @@ impl Start<'_> {
             file.fit = fit.settings;
         }
         file.fit = self.fit.over(file.fit);
+        if let Some(path) = &file.measured {
+            file.surface.material.measured = Some(measured::read(path)?);
+        }
         change(&mut file)?;
         if let Some(sky) = file.sky.as_ref().filter(|_| file.surface.sky.environment.is_none()) {
             file.surface.sky.environment = Some(Arc::new(sky.load()?));

@@ -11,7 +11,7 @@ use multiversion::target::target_cfg_f;
 
 use super::vmf::bins::{BinnedSamples, WORTHWHILE};
 use super::vmf::lanes::{LANES, exp2_of_negative, halving_sum, lanes, ln_of_positive, mul_add};
-use crate::brdf::{BlinnPhong, Brdf};
+use crate::brdf::Brdf;
 use crate::ndf::Ndf;
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::{Footprint, Texel};
@@ -30,7 +30,7 @@ pub struct FootprintBrdf {
     z: Vec<f32>,
     /// Sums to 1; padding has none.
     weight: Vec<f32>,
-    exponent: f64,
+    brdf: Brdf,
 }
 
 impl FootprintBrdf {
@@ -57,8 +57,7 @@ impl FootprintBrdf {
     }
 
     fn of_samples(samples: impl Iterator<Item = (Vec3, f64)>, brdf: Brdf) -> Self {
-        let exponent = brdf.exponent();
-        let mut own = Self { x: Vec::new(), y: Vec::new(), z: Vec::new(), weight: Vec::new(), exponent };
+        let mut own = Self { x: Vec::new(), y: Vec::new(), z: Vec::new(), weight: Vec::new(), brdf };
         samples.for_each(|(normal, weight)| own.push(normal, weight as f32));
         while !own.x.len().is_multiple_of(LANES) {
             own.push(Vec3::ZERO, 0.0);
@@ -75,12 +74,18 @@ impl FootprintBrdf {
 
     /// The value in one direction, per steradian; relative error about 1e-7 times the exponent.
     pub fn at(&self, omega: DVec3) -> f64 {
-        BlinnPhong { shininess: self.exponent }.zonal(1.0) * power_sum(self, omega.as_vec3())
+        match self.brdf {
+            Brdf::Lambert | Brdf::BlinnPhong(_) => self.brdf.zonal(1.0) * power_sum(self, omega.as_vec3()),
+            _ => self
+                .samples()
+                .map(|(normal, weight)| f64::from(weight) * self.brdf.zonal(normal.as_dvec3().dot(omega)))
+                .sum(),
+        }
     }
 
     /// The exponent of the BRDF.
     pub fn exponent(&self) -> f64 {
-        self.exponent
+        self.brdf.exponent()
     }
 
     /// The mean normal, not normalised.
@@ -110,7 +115,7 @@ impl FootprintBrdf {
 ))]
 fn power_sum(of: &FootprintBrdf, omega: Vec3) -> f64 {
     const FMA: bool = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
-    let exponent = of.exponent as f32 * std::f32::consts::LOG2_E;
+    let exponent = of.exponent() as f32 * std::f32::consts::LOG2_E;
     let mut total = 0.0;
     for first in (0..of.x.len()).step_by(BLOCK) {
         let last = (first + BLOCK).min(of.x.len());
@@ -133,21 +138,26 @@ fn power_sum(of: &FootprintBrdf, omega: Vec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brdf::{BlinnPhong, Ggx};
     use crate::normal_map::procedural;
     use crate::sphere::direction::hemisphere;
 
     #[test]
     fn the_prepared_sum_is_the_sum() {
         let map = procedural::find("bricks").expect("bundled").make(60);
-        for (level, shininess) in [(0, 64.0), (2, 1.0), (3, 400.0), (5, 4000.0)] {
+        let blinn_phong = |shininess| Brdf::BlinnPhong(BlinnPhong { shininess });
+        let ggx = Brdf::Ggx(Ggx { alpha: 0.2 });
+        for (level, brdf) in
+            [(0, blinn_phong(64.0)), (2, blinn_phong(1.0)), (3, blinn_phong(400.0)), (5, blinn_phong(4000.0)), (3, ggx)]
+        {
             let texel = Texel { level, x: 0, y: 0 };
-            let brdf = Brdf::BlinnPhong(BlinnPhong { shininess });
             let prepared = FootprintBrdf::new(&map, texel, brdf);
             let ndf = Ndf::of_texel(&map, texel);
             let peak = brdf.zonal(1.0);
             for omega in hemisphere(300) {
                 let (found, exact) = (prepared.at(omega), ndf.effective_brdf(brdf, omega));
-                assert!((found - exact).abs() < 1e-6 * peak + 2e-7 * shininess * exact, "{shininess}: {found} {exact}");
+                let most = 1e-6 * peak + 2e-7 * brdf.exponent() * exact;
+                assert!((found - exact).abs() < most, "{brdf}: {found} {exact}");
             }
         }
     }

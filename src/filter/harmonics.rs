@@ -1,8 +1,8 @@
 //! Spherical harmonics of the NDF: `gamma_lm = E[Y_lm(n)]` averages linearly, and the effective BRDF is
 //! `sum_l rho_l sum_m gamma_lm Y_lm(w)` (Han et al. 2007, section 5, eq. 11 and 12).
 //!
-//! The multipliers `rho_l` are Blinn-Phong's exact ones, or the paper's `exp(-l^2/(2s))` where the material's
-//! convolution rule is [`ConvolutionRule::Paper`]; the diffuse part is the Lambertian's, which is s = 1. The specular
+//! The multipliers `rho_l` are the model's exact ones, or the paper's `exp(-l^2/(2s))` where the material's convolution
+//! rule is [`ConvolutionRule::Paper`]; the diffuse part is the Lambertian's, which is s = 1. The specular
 //! part takes the cosine of the normalised mean normal. Nothing is fitted; what the bands left out held is lost, so
 //! sharp materials ring: about `sqrt(4 s)` bands are needed.
 //!
@@ -12,7 +12,7 @@
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, DVec4, Vec3};
 
 use super::channels::ChannelPyramid;
 use super::rival::{Built, Parameter, Rival, RivalFilter, RivalKind, Source};
@@ -21,9 +21,7 @@ use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainM
 use crate::brdf::{Brdf, ConvolutionRule, Material};
 use crate::ndf::Ndf;
 use crate::normal_map::pyramid::Texel;
-use crate::sphere::harmonics::{
-    cosine_power_zonal, cosine_power_zonal_of_paper, each_harmonic, harmonics_to, zonal_series,
-};
+use crate::sphere::harmonics::{each_harmonic, harmonics_to, zonal_series};
 use crate::sphere::vmf;
 
 /// `sh:LMAX`.
@@ -50,7 +48,7 @@ pub const MAX_BAND: usize = 22;
 pub struct Harmonics {
     mip: Arc<PlainMip>,
     last_band: usize,
-    /// How Blinn-Phong's multipliers are found for effective BRDFs; pictures go by their material's rule.
+    /// How the model's multipliers are found for effective BRDFs; pictures go by their material's rule.
     rule: ConvolutionRule,
     coefficients: OnceLock<Arc<ChannelPyramid>>,
 }
@@ -62,14 +60,6 @@ fn build(source: &Source<'_>, rival: Rival) -> Built {
         rule: source.rules.convolution,
         coefficients: OnceLock::new(),
     }))
-}
-
-/// `rho_l` of Blinn-Phong with exponent s for `l <= last_band`.
-fn multipliers(rule: ConvolutionRule, exponent: f64, last_band: usize) -> Vec<f64> {
-    match rule {
-        ConvolutionRule::Paper => cosine_power_zonal_of_paper(exponent, last_band + 1),
-        _ => cosine_power_zonal(exponent, last_band + 1),
-    }
 }
 
 impl Harmonics {
@@ -92,50 +82,70 @@ impl Harmonics {
     }
 
     /// The series of both parts between the coarse levels around a lookup.
-    fn coarse(&self, pyramid: &ChannelPyramid, lookup: &Lookup, [half, light]: [&Series; 2]) -> [f64; 2] {
+    fn coarse(&self, pyramid: &ChannelPyramid, lookup: &Lookup, parts: &Parts) -> DVec4 {
         let taps = pyramid.taps(lookup);
         let (mut layer, mut stored) = (0, [0.0; 4]);
-        let (mut sums, mut index) = ([0.0; 2], 0);
+        let (mut sum, mut index) = (DVec4::ZERO, 0);
         // The light's harmonics beside the half vector's, which drive the loop.
         let mut of_light = [0.0; harmonics_to(MAX_BAND)];
         let mut next = of_light.iter_mut();
-        each_harmonic(light.direction, self.last_band, |_, value| {
+        each_harmonic(parts.light, self.last_band, |_, value| {
             if let Some(slot) = next.next() {
                 *slot = value;
             }
         });
-        each_harmonic(half.direction, self.last_band, |l, value| {
+        each_harmonic(parts.half, self.last_band, |l, value| {
             if index % 4 == 0 {
                 stored = pyramid.blend(&taps, layer).to_array();
                 layer += 1;
             }
             let gamma = f64::from(stored[index % 4]);
-            sums[0] += half.multipliers[l] * gamma * value;
-            sums[1] += light.multipliers[l] * gamma * of_light[index];
+            sum += gamma * parts.multipliers[l] * DVec3::splat(value).extend(of_light[index]);
             index += 1;
         });
-        sums
+        sum
     }
 
     /// The series of both parts between the base texels around a lookup.
-    fn base(&self, lookup: &Lookup, series: [&Series; 2]) -> [f64; 2] {
+    fn base(&self, lookup: &Lookup, parts: &Parts) -> DVec4 {
         let map = &self.mip.map;
-        let mut sums = [0.0; 2];
+        let mut sum = DVec4::ZERO;
         for (index, weight) in self.mip.grid(0).bilinear(lookup.uv) {
-            let Some(normal) = map.normal(index) else { continue };
-            for (sum, series) in sums.iter_mut().zip(series) {
-                let cosine = normal.as_dvec3().dot(series.direction);
-                *sum += f64::from(weight) * zonal_series(series.multipliers.iter().copied(), cosine);
-            }
+            let Some(normal) = map.normal(index).map(Vec3::as_dvec3) else { continue };
+            let cosines = [normal.dot(parts.half), normal.dot(parts.light)];
+            sum += f64::from(weight) * parts.zonal_series(cosines);
         }
-        sums
+        sum
     }
 }
 
-/// One part of the material: where it is looked at and by which multipliers.
-struct Series {
-    direction: DVec3,
-    multipliers: Vec<f64>,
+/// Both parts of the material: where they are looked at, and by which multipliers.
+struct Parts {
+    half: DVec3,
+    light: DVec3,
+    /// Of the specular part per channel, then of the diffuse one.
+    multipliers: Vec<DVec4>,
+}
+
+impl Parts {
+    fn new(light: &LocalLight, material: &Material, bands: usize) -> Self {
+        let diffuse = Brdf::Lambert.multipliers(ConvolutionRule::Exact, bands);
+        let specular = material.multipliers(bands);
+        Self {
+            half: light.half_in_tangent.as_dvec3(),
+            light: light.light_in_tangent.as_dvec3(),
+            multipliers: specular.into_iter().zip(diffuse).map(|(rgb, rho)| rgb.extend(rho)).collect(),
+        }
+    }
+
+    /// `sum_l (2l+1)/(4 pi) rho_l P_l(u)` of each part, for its own cosine.
+    fn zonal_series(&self, [half, light]: [f64; 2]) -> DVec4 {
+        let channel = |c: usize| {
+            let cosine = if c == 3 { light } else { half };
+            zonal_series(self.multipliers.iter().map(|rho| rho[c]), cosine)
+        };
+        DVec4::from_array(std::array::from_fn(channel))
+    }
 }
 
 impl RivalFilter for Harmonics {
@@ -146,11 +156,8 @@ impl RivalFilter for Harmonics {
 
 impl Filter for Harmonics {
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
-        let multipliers = match brdf {
-            Brdf::Lambert => multipliers(ConvolutionRule::Exact, 1.0, self.last_band),
-            Brdf::BlinnPhong(model) => multipliers(self.rule, model.shininess, self.last_band),
-        };
         let last_band = self.last_band;
+        let multipliers = brdf.multipliers(self.rule, last_band + 1);
         let mut blurred = vec![0.0; harmonics_to(last_band)];
         for (normal, weight) in Ndf::of_texel(&self.mip.map, texel).samples() {
             let mut sums = blurred.iter_mut();
@@ -168,33 +175,22 @@ impl Filter for Harmonics {
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
-        let half = Series {
-            direction: light.half_in_tangent.as_dvec3(),
-            multipliers: multipliers(material.convolution, material.shininess.into(), self.last_band),
-        };
-        let cosine = Series {
-            direction: light.light_in_tangent.as_dvec3(),
-            multipliers: multipliers(ConvolutionRule::Exact, 1.0, self.last_band),
-        };
+        let parts = Parts::new(light, material, self.last_band + 1);
         let base_share = if self.mip.levels.len() == 1 { 1.0 } else { 1.0 - f64::from(lookup.lod.clamp(0.0, 1.0)) };
-        let mut sums = [0.0; 2];
-        let mut add = |share: f64, [specular, diffuse]: [f64; 2]| {
-            sums[0] += share * specular;
-            sums[1] += share * diffuse;
-        };
+        let mut sum = DVec4::ZERO;
         if base_share > 0.0 {
-            add(base_share, self.base(lookup, [&half, &cosine]));
+            sum += base_share * self.base(lookup, &parts);
         }
         if base_share < 1.0
             && let Ok(pyramid) = self.coefficients(&Monitor::new(Vec::new()))
         {
-            add(1.0 - base_share, self.coarse(pyramid, lookup, [&half, &cosine]));
+            sum += (1.0 - base_share) * self.coarse(pyramid, lookup, &parts);
         }
         let normal = self.mip.mean(lookup).normalize_or_zero();
-        let specular = sums[0] as f32 * normal.dot(light.light_in_tangent).max(0.0);
+        let specular = sum.truncate().as_vec3() * normal.dot(light.light_in_tangent).max(0.0);
         self.mip.color(lookup)
             * (material.specular * specular * material.specular_color
-                + material.diffuse * (PI * sums[1]) as f32 * material.diffuse_color)
+                + material.diffuse * (PI * sum.w) as f32 * material.diffuse_color)
     }
 
     /// The lobe of the same mean vector, which is the NDF's band 1: to turn all bands into the sky's frame is too much

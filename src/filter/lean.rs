@@ -1,8 +1,8 @@
 //! LEAN mapping: one anisotropic Gaussian over slopes.
 //!
 //! M. Olano and D. Baker, *LEAN mapping*, I3D 2010. A normal is the slope `b = (n_x / n_z, n_y / n_z)`; the mean slope
-//! `m` and the second moments `E[b b^T]` average linearly, `C = E[b b^T] - m m^T`, and a Blinn-Phong exponent s is a
-//! Gaussian of variance `1/s` that adds to it. The half vector's slope `b_h = (h_x / h_z, h_y / h_z)` is distributed
+//! `m` and the second moments `E[b b^T]` average linearly, `C = E[b b^T] - m m^T`, and a Blinn-Phong exponent s, of
+//! other models the equivalent one, is a Gaussian of variance `1/s` that adds to it. The half vector's slope `b_h = (h_x / h_z, h_y / h_z)` is distributed
 //! as `exp(-(b_h - m)^T (C + I/s)^-1 (b_h - m) / 2) / (2 pi sqrt(det(C + I/s)))`, a Beckmann lobe; over `h_z^3` it is a
 //! density per solid angle. The diffuse part is that of the mean slope's normal.
 //!
@@ -17,7 +17,7 @@ use glam::{DVec2, DVec3, Vec3, Vec4};
 use super::channels::ChannelPyramid;
 use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
-use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainMip};
+use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainMip, reflect};
 use crate::brdf::{Brdf, Material};
 use crate::ndf::Ndf;
 use crate::normal_map::pyramid::Texel;
@@ -125,18 +125,16 @@ impl Filter for Lean {
         let slopes = SlopeGaussian::of_ndf(&Ndf::of_texel(&self.mip.map, texel));
         Box::new(move |omega| match brdf {
             Brdf::Lambert => brdf.zonal(slopes.normal().dot(omega)),
-            Brdf::BlinnPhong(model) => slopes.density(model.shininess, omega),
+            _ => slopes.density(brdf.exponent(), omega),
         })
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let taps = self.moments.taps(lookup);
         let slopes = SlopeGaussian::from_moments(self.moments.blend(&taps, 0), self.moments.blend(&taps, 1));
-        let specular = slopes.density(material.shininess.into(), light.half_in_tangent.as_dvec3()) as f32;
-        let cosine = slopes.normal().as_vec3().dot(light.light_in_tangent).max(0.0);
-        self.mip.color(lookup)
-            * cosine
-            * (material.specular * specular * material.specular_color + material.diffuse * material.diffuse_color)
+        let specular = slopes.density(material.exponent().into(), light.half_in_tangent.as_dvec3()) as f32;
+        let cosine = slopes.normal().as_vec3().dot(light.light_in_tangent);
+        self.mip.color(lookup) * reflect(material, Vec3::splat(specular), cosine)
     }
 
     /// One isotropic lobe stands for the Gaussian: as wide as its two variances are on the mean.

@@ -72,7 +72,8 @@ pub trait Filter: Send + Sync {
         self.effective_brdf_of(texel, brdf)(omega)
     }
 
-    /// Linear RGB reflected towards the eye for light of radiance 1: the CPU twin of the method's shader.
+    /// Linear RGB reflected towards the eye for light of radiance 1 by the material as it is towards that light
+    /// ([`Material::towards`]): the CPU twin of the method's shader.
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3;
 
     /// Linear RGB reflected of the sky towards the eye, likewise.
@@ -84,11 +85,8 @@ pub trait Filter: Send + Sync {
     }
 }
 
-/// `(Ks f(h) + Kd) max(cos, 0)` of one lobe or normal (Han et al. 2007, Algorithm 2), linear RGB.
-pub fn reflect(material: &Material, exponent: f32, half_cosine: f32, light_cosine: f32) -> Vec3 {
-    let half_cosine = half_cosine.max(0.0);
-    // pow(0, 0) differs between processors; a cosine of 0 contributes only where the exponent is 0.
-    let power = if half_cosine > 0.0 { (exponent * half_cosine.ln()).exp() } else { f32::from(exponent == 0.0) };
-    let specular = material.specular * (exponent + 1.0) / std::f32::consts::TAU * power;
-    (specular * material.specular_color + material.diffuse * material.diffuse_color) * light_cosine.max(0.0)
+/// `(Ks f(h) + Kd) max(cos, 0)` of one lobe or normal (Han et al. 2007, Algorithm 2), linear RGB; `specular` is f(h).
+pub fn reflect(material: &Material, specular: Vec3, light_cosine: f32) -> Vec3 {
+    (material.specular * specular * material.specular_color + material.diffuse * material.diffuse_color)
+        * light_cosine.max(0.0)
 }

@@ -171,6 +171,6 @@ impl Filter for UnnormalisedMip {
 }
 
 fn reflect_from(normal: Vec3, light: &LocalLight, material: &Material) -> Vec3 {
-    let (half, cosine) = (normal.dot(light.half_in_tangent), normal.dot(light.light_in_tangent));
-    reflect(material, material.shininess, half, cosine)
+    let specular = material.specular_at(normal.dot(light.half_in_tangent));
+    reflect(material, specular, normal.dot(light.light_in_tangent))
 }

@@ -4,20 +4,22 @@
 //! that is `1/pi int L reflect dw`, so that a white surface under a white sky is white.
 //!
 //! Methods are shaded by lobes: whatever a method keeps of the NDF stands for von Mises-Fisher lobes, whose zonal
-//! multipliers `A_l` multiply the BRDF's (see [`sky_harmonics`](crate::lighting::sky_harmonics)). The truth draws a
+//! multipliers `A_l` multiply the BRDF's (see [`sky_harmonics`](crate::lighting::sky_harmonics)). Fresnel's factor and g
+//! of the half vector that is the lobe's direction stand for those of all. The truth draws a
 //! direction for each of its samples, by turns from the sky's brightness and from the material about the sample's
 //! normal, and divides by the mean of both densities (the balance heuristic of Veach and Guibas 1995).
 
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::PI;
 
 use glam::{DVec3, Mat3, Vec3};
 
 use super::reflect;
 use super::truth::{number, pixel_seeds};
-use crate::brdf::Material;
+use crate::brdf::blinn_phong::blinn_phong;
+use crate::brdf::{Brdf, ConvolutionRule, Material};
 use crate::lighting::sky_harmonics::{DIFFUSE_BAND, MOST_BANDS, half_way};
 use crate::lighting::{Environment, Sky};
-use crate::sphere::harmonics::{cosine_power_zonal, each_harmonic, vmf_zonal_low};
+use crate::sphere::harmonics::{each_harmonic, vmf_zonal_low};
 use crate::sphere::vmf::KAPPA_DELTA;
 
 /// `2^32 / p^3` and `2^32 / p^4` for the p with `p^5 = p + 1` (see [`sky_samples`](crate::lighting::sky_samples)).
@@ -80,8 +82,10 @@ impl<'a> LocalSky<'a> {
         let mu = (self.sky_from_tangent * lobe.mean_direction).as_dvec3();
         let zonal = vmf_zonal_low(lobe.concentration, MOST_BANDS + 1);
         let half_way_mu = half_way(self.to_eye_in_sky.as_dvec3(), mu);
-        let sum =
-            series(&self.diffuse, DIFFUSE_BAND, &zonal, mu) + series(&self.specular, MOST_BANDS, &zonal, half_way_mu);
+        let diffuse = series(&self.diffuse, DIFFUSE_BAND, &zonal, mu);
+        let specular = series(&self.specular, MOST_BANDS, &zonal, half_way_mu);
+        let unfiltered = self.material.unfiltered(mu.as_vec3().dot(self.to_eye_in_sky)).as_dvec3();
+        let sum = diffuse + unfiltered * specular;
         self.intensity * lobe.weight * sum.as_vec3()
     }
 
@@ -99,9 +103,9 @@ impl<'a> LocalSky<'a> {
         if cosine < LEAST_COSINE { Vec3::ZERO } else { self.estimate(normal, 2.0 * cosine * half - self.to_eye_in_sky) }
     }
 
-    /// A half vector about `normal` with the density of the material's Blinn-Phong.
+    /// A half vector about `normal` with the density of the Blinn-Phong as wide as the material.
     fn half_vector(&self, normal: Vec3, [across, down]: [f32; 2]) -> Vec3 {
-        let cosine = ((1.0 - across).ln() / (self.material.shininess + 1.0)).exp();
+        let cosine = ((1.0 - across).ln() / (self.material.exponent() + 1.0)).exp();
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         let (sin, cos) = (2.0 * PI * down).sin_cos();
         let [x, y] = basis(normal);
@@ -112,15 +116,20 @@ impl<'a> LocalSky<'a> {
     fn estimate(&self, normal: Vec3, direction: Vec3) -> Vec3 {
         let half = (direction + self.to_eye_in_sky).normalize_or_zero();
         let texel = self.environment.grid().texel(direction);
-        let exponent = self.material.shininess;
-        let by_material =
-            blinn_phong(exponent, half.dot(normal)) / (4.0 * half.dot(self.to_eye_in_sky).max(LEAST_COSINE));
+        let by_material = blinn_phong(self.material.exponent(), half.dot(normal))
+            / (4.0 * half.dot(self.to_eye_in_sky).max(LEAST_COSINE));
         let density = 0.5 * (self.environment.density[texel] + by_material);
         if density <= 0.0 {
             return Vec3::ZERO;
         }
-        let reflected = reflect(self.material, exponent, half.dot(normal), normal.dot(direction));
+        let reflected = self.reflect(normal, half, direction);
         self.intensity / (PI * density) * self.environment.radiance[texel] * reflected
+    }
+
+    /// What one normal reflects of a light of radiance 1 from a direction.
+    fn reflect(&self, normal: Vec3, half: Vec3, direction: Vec3) -> Vec3 {
+        let material = self.material.towards(half.dot(self.to_eye_in_sky));
+        reflect(&material, material.specular_at(half.dot(normal)), normal.dot(direction))
     }
 
     /// What one normal reflects of every texel of the sky, without samples.
@@ -129,7 +138,7 @@ impl<'a> LocalSky<'a> {
         let of_texel = |(direction, solid_angle, index): (DVec3, f64, usize)| {
             let direction = direction.as_vec3();
             let half = (direction + self.to_eye_in_sky).normalize_or_zero();
-            let reflected = reflect(self.material, self.material.shininess, half.dot(normal), normal.dot(direction));
+            let reflected = self.reflect(normal, half, direction);
             solid_angle * (self.environment.radiance[index] * reflected).as_dvec3()
         };
         let sum: DVec3 = self.environment.grid().texels().map(of_texel).sum();
@@ -137,17 +146,18 @@ impl<'a> LocalSky<'a> {
     }
 }
 
-/// What each band of the diffuse and of the specular light becomes: the material's multiplier times its colour, nothing
-/// beyond the last band in use.
+/// What each band of the diffuse and of the specular light becomes: the material's exact multiplier times its colour,
+/// nothing beyond the last band in use.
 pub fn bands(sky: &Sky, material: &Material) -> [Vec<DVec3>; 2] {
-    let lambertian = cosine_power_zonal(1.0, DIFFUSE_BAND + 1);
-    let mut own = cosine_power_zonal(material.shininess.into(), sky.last_band() + 1);
-    own.resize(MOST_BANDS + 1, 0.0);
-    let colored = |multipliers: Vec<f64>, color: Vec3| {
+    let exact = Material { convolution: ConvolutionRule::Exact, ..*material };
+    let lambertian = Brdf::Lambert.multipliers(exact.convolution, DIFFUSE_BAND + 1).into_iter().map(DVec3::splat);
+    let mut own = exact.multipliers(sky.last_band() + 1);
+    own.resize(MOST_BANDS + 1, DVec3::ZERO);
+    let colored = |multipliers: Vec<DVec3>, color: Vec3| {
         multipliers.into_iter().map(|multiplier| multiplier * color.as_dvec3()).collect()
     };
-    let specular_color = material.specular / PI * material.specular_color;
-    [colored(lambertian, material.diffuse * material.diffuse_color), colored(own, specular_color)]
+    let specular_color = material.specular_strength() / PI * material.specular_color;
+    [colored(lambertian.collect(), material.diffuse * material.diffuse_color), colored(own, specular_color)]
 }
 
 /// The light's harmonics times what their bands become.
@@ -164,12 +174,6 @@ fn series(light: &[DVec3], last_band: usize, zonal: &[f64], direction: DVec3) ->
         sum += next.next().map_or(DVec3::ZERO, |light| zonal[l] * value * *light);
     });
     sum
-}
-
-/// `(s+1)/(2 pi) max(u, 0)^s`, as [`reflect`] has it.
-fn blinn_phong(exponent: f32, cosine: f32) -> f32 {
-    let power = if cosine > 0.0 { (exponent * cosine.ln()).exp() } else { f32::from(exponent == 0.0) };
-    (exponent + 1.0) / TAU * power
 }
 
 /// Two unit vectors at right angles to a third and each other (Duff et al. 2017).

@@ -3,7 +3,7 @@
 //! M. Toksvig, *Mipmapping normal maps*, 2004. With the mean normal `N`, not normalised, and the exponent s,
 //! `f = |N| / (|N| + s (1 - |N|))`; the exponent becomes `f s` and an unnormalised Blinn-Phong lobe is scaled by
 //! `(1 + f s)/(1 + s)`, which is to say that the normalised lobe of exponent `f s` is taken. The diffuse part is that
-//! of the normalised mean normal. Isotropic, and blind to what makes `N` short: two facets or one rough one.
+//! of the normalised mean normal. Other models are taken for Blinn-Phong of their equivalent exponent. Isotropic, and blind to what makes `N` short: two facets or one rough one.
 
 use std::sync::Arc;
 
@@ -11,6 +11,7 @@ use glam::{DVec3, Vec3};
 
 use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainMip, reflect};
+use crate::brdf::blinn_phong::blinn_phong;
 use crate::brdf::{BlinnPhong, Brdf, Material};
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::vmf::KAPPA_DELTA;
@@ -48,13 +49,11 @@ impl Filter for Toksvig {
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let mean = self.mip.of_texel(texel).as_dvec3();
         let normal = mean.try_normalize().unwrap_or(DVec3::Z);
-        let widened = match brdf {
-            Brdf::Lambert => brdf,
-            Brdf::BlinnPhong(BlinnPhong { shininess }) => {
-                let length = mean.length().min(1.0);
-                let shininess = shininess * length / (length + shininess * (1.0 - length));
-                Brdf::BlinnPhong(BlinnPhong { shininess })
-            }
+        let widened = if brdf == Brdf::Lambert {
+            brdf
+        } else {
+            let (length, shininess) = (mean.length().min(1.0), brdf.exponent());
+            Brdf::BlinnPhong(BlinnPhong { shininess: shininess * length / (length + shininess * (1.0 - length)) })
         };
         Box::new(move |omega| widened.zonal(normal.dot(omega)))
     }
@@ -62,9 +61,9 @@ impl Filter for Toksvig {
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let mean = self.mip.mean(lookup);
         let normal = mean.normalize_or_zero();
-        let exponent = widened_exponent(mean.length(), material.shininess);
-        let (half, cosine) = (normal.dot(light.half_in_tangent), normal.dot(light.light_in_tangent));
-        self.mip.color(lookup) * reflect(material, exponent, half, cosine)
+        let exponent = widened_exponent(mean.length(), material.exponent());
+        let specular = blinn_phong(exponent, normal.dot(light.half_in_tangent));
+        self.mip.color(lookup) * reflect(material, Vec3::splat(specular), normal.dot(light.light_in_tangent))
     }
 
     /// Toksvig's exponent `f s = kappa s / (kappa + s)` is that of a lobe of `kappa = |N| / (1 - |N|)`.

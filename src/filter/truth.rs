@@ -88,9 +88,8 @@ impl Filter for Truth {
         for index in 0..self.samples {
             let offset = jitter(lookup.pixel, index);
             let (normal, color) = self.texel_at(lookup.uv + lookup.footprint.uv_step(offset));
-            let half_cosine = normal.dot(light.half_in_tangent);
-            let light_cosine = normal.dot(light.light_in_tangent);
-            sum += (color * reflect(material, material.shininess, half_cosine, light_cosine)).as_dvec3();
+            let specular = material.specular_at(normal.dot(light.half_in_tangent));
+            sum += (color * reflect(material, specular, normal.dot(light.light_in_tangent))).as_dvec3();
         }
         (sum / f64::from(self.samples)).as_vec3()
     }

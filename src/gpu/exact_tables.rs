@@ -1,13 +1,17 @@
-//! Exact convolutions as a texture of two layers: the material's exponent, and the clamped cosine.
+//! Exact convolutions as a texture of four layers: the material's model, by channel where it is measured, and the
+//! clamped cosine.
 
 use crate::brdf::exact_table::{COLUMNS, ExactTable, ROWS};
-use crate::brdf::{ConvolutionRule, DiffuseRule, Material};
+use crate::brdf::{Brdf, ConvolutionRule, DiffuseRule, Material};
 
-/// Layer by layer: which exponent each table is of, `None` while nothing has asked for it.
+/// Layers: three channels, and the clamped cosine.
+const LAYERS: u32 = 4;
+
+/// Layer by layer: which model each table is of, `None` while nothing has asked for it.
 #[derive(Debug)]
 pub struct ExactTables {
     texture: wgpu::Texture,
-    held: [Option<f32>; 2],
+    held: [Option<Brdf>; LAYERS as usize],
 }
 
 impl ExactTables {
@@ -15,7 +19,7 @@ impl ExactTables {
     pub fn new(device: &wgpu::Device) -> Self {
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("exact tables"),
-            size: wgpu::Extent3d { width: COLUMNS as u32, height: ROWS as u32, depth_or_array_layers: 2 },
+            size: wgpu::Extent3d { width: COLUMNS as u32, height: ROWS as u32, depth_or_array_layers: LAYERS },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -23,7 +27,7 @@ impl ExactTables {
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         });
-        Self { texture, held: [None; 2] }
+        Self { texture, held: [None; LAYERS as usize] }
     }
 
     /// The type of the binding: read texel by texel, for not every adapter filters 32-bit floats.
@@ -32,7 +36,7 @@ impl ExactTables {
         wgpu::TextureViewDimension::D2Array,
     );
 
-    /// A view of both tables.
+    /// A view of all tables.
     pub fn view(&self) -> wgpu::TextureView {
         self.texture.create_view(&wgpu::TextureViewDescriptor {
             label: Some("exact tables"),
@@ -41,23 +45,29 @@ impl ExactTables {
         })
     }
 
-    /// Tabulates what the material asks for and is not there: about a millisecond for a new exponent.
+    /// Tabulates what the material asks for and is not there: about a millisecond for a new exponent, 0.1 s for a model
+    /// whose multipliers are projected.
     pub fn prepare(&mut self, queue: &wgpu::Queue, material: &Material) {
         if material.convolution == ConvolutionRule::Exact {
-            self.hold(queue, 0, material.shininess);
+            for (layer, model) in (0..).zip(material.channels()) {
+                // The shader reads the first alone where the channels are one.
+                if layer == 0 || model != material.channels()[0] {
+                    self.hold(queue, layer, model);
+                }
+            }
         }
         if material.diffuse_rule == DiffuseRule::Exact {
-            self.hold(queue, 1, 1.0);
+            self.hold(queue, LAYERS - 1, Brdf::Lambert);
         }
     }
 
-    fn hold(&mut self, queue: &wgpu::Queue, layer: u32, shininess: f32) {
+    fn hold(&mut self, queue: &wgpu::Queue, layer: u32, model: Brdf) {
         let held = &mut self.held[layer as usize];
-        if *held == Some(shininess) {
+        if *held == Some(model) {
             return;
         }
-        *held = Some(shininess);
-        let table = ExactTable::new(f64::from(shininess));
+        *held = Some(model);
+        let table = ExactTable::new(model);
         let origin = wgpu::Origin3d { x: 0, y: 0, z: layer };
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,

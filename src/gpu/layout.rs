@@ -10,9 +10,19 @@ pub const COLOR_SCALE: &str = include_str!("../../shaders/shared/color_scale.wgs
 pub const VMF: &str = include_str!("../../shaders/shared/vmf.wgsl");
 /// Blinn-Phong, the twin of `brdf/blinn_phong.rs`.
 pub const BLINN_PHONG: &str = include_str!("../../shaders/shared/blinn_phong.wgsl");
+/// The Torrance-Sparrow form, the twin of `brdf/torrance_sparrow.rs`.
+pub const TORRANCE_SPARROW: &str = include_str!("../../shaders/shared/torrance_sparrow.wgsl");
+/// GGX, the twin of `brdf/ggx.rs`.
+pub const GGX: &str = include_str!("../../shaders/shared/ggx.wgsl");
+/// Measured reflectance, the twin of `brdf/measured.rs` and `brdf/factors.rs`.
+pub const MEASURED: &str = include_str!("../../shaders/shared/measured.wgsl");
+/// The rules of convolution, the twin of `brdf/convolution.rs`.
+pub const CONVOLUTION: &str = include_str!("../../shaders/shared/convolution.wgsl");
+/// The material, the twin of `brdf/material.rs`.
+pub const MATERIAL: &str = include_str!("../../shaders/shared/material.wgsl");
 /// The exact convolution from a table, the twin of `brdf/exact_table.rs`.
 pub const EXACT_TABLE: &str = include_str!("../../shaders/shared/exact_table.wgsl");
-/// Material, lookup and reflection, the twin of `filter/mod.rs`.
+/// Lookup and reflection, the twin of `filter/mod.rs`.
 pub const FILTER: &str = include_str!("../../shaders/shared/filter.wgsl");
 /// The choice of level and of probes, the twin of `filter/probes.rs`.
 pub const PROBES: &str = include_str!("../../shaders/shared/probes.wgsl");

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use super::passes::surface::{COLOR_FORMAT, DEPTH_FORMAT, SHADER, rival_shader};
-use crate::brdf::{ConvolutionRule, DiffuseRule};
+use crate::brdf::{ConvolutionRule, DiffuseRule, Model};
 use crate::filter::{Method, Rival};
 use crate::gpu::layout;
 use crate::lit_surface::LitSurface;
@@ -21,6 +21,8 @@ pub struct Variant {
     pub exact: bool,
     /// `SKY`: a sky lights the surface.
     pub sky: bool,
+    /// `MODEL`: the specular part's model.
+    pub model: Model,
 }
 
 impl Variant {
@@ -28,12 +30,27 @@ impl Variant {
     pub fn new(colored: bool, surface: &LitSurface) -> Self {
         let material = &surface.material;
         let exact = material.convolution == ConvolutionRule::Exact || material.diffuse_rule == DiffuseRule::Exact;
-        Self { colored, exact, sky: surface.sky.environment.is_some() }
+        // A material without a specular part is drawn as one of strength 0, an unread one as what stands in for it.
+        let model = match Model::from(material.brdf()) {
+            Model::Lambert => Model::default(),
+            model => model,
+        };
+        Self { colored, exact, sky: surface.sky.environment.is_some(), model }
     }
 
     /// What `method` has of it: rules are for lobes.
     fn of(self, method: Method) -> Self {
         Self { exact: self.exact && method.shows_lobes(), ..self }
+    }
+}
+
+/// A model by the shader's number.
+fn number_of(model: Model) -> u8 {
+    match model {
+        Model::Lambert | Model::BlinnPhong => 0,
+        Model::TorranceSparrow => 1,
+        Model::Ggx => 2,
+        Model::Measured => 3,
     }
 }
 
@@ -119,6 +136,7 @@ impl SurfacePipelines {
             ("COLORED", number(variant.colored)),
             ("EXACT_RULES", number(variant.exact)),
             ("SKY", number(variant.sky)),
+            ("MODEL", f64::from(number_of(variant.model))),
         ];
         let (layout, entry_point) = match method {
             Method::Truth => (&self.truth_layout, "truth"),

@@ -41,7 +41,7 @@ pub struct Cell {
     pub map: String,
     /// From the eye to the surface's centre.
     pub distance: f32,
-    /// The material's exponent.
+    /// The material's exponent; of other models than Blinn-Phong, that of the same width.
     pub exponent: f32,
     /// What the methods are held against.
     pub reference: Reference,

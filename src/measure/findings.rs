@@ -37,7 +37,7 @@ impl Findings {
         Some(Cell {
             map: map.to_owned(),
             distance: point.surface.camera.distance,
-            exponent: point.surface.material.shininess,
+            exponent: point.surface.material.exponent(),
             reference: self.references[index]?,
             methods: self.methods[index].iter().flatten().cloned().collect(),
         })

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::measurer::{MeasureSettings, Point};
+use crate::brdf::Model;
 use crate::filter::vmf::{Alignment, FitSettings, Selection};
 use crate::filter::{Method, MethodChoice};
 
@@ -17,7 +18,7 @@ pub enum Axis {
     Lobes,
     /// The strength of the alignment that is chosen: C of `paper` and `map`, the neighbours' share b of `smooth`.
     Alignment,
-    /// The material's exponent s.
+    /// The exponent s of a Blinn-Phong material.
     Shininess,
 }
 
@@ -83,7 +84,10 @@ impl Axis {
         let mut point = base.clone();
         match self {
             Self::Distance => point.surface.camera.distance = value,
-            Self::Shininess => point.surface.material.shininess = value,
+            Self::Shininess => {
+                let material = &mut point.surface.material;
+                (material.model, material.shininess) = (Model::BlinnPhong, value);
+            }
             Self::Lobes => {
                 let lobes = value.round().max(1.0) as usize;
                 point.fit = FitSettings { lobes, selection: Selection::Fixed, ..point.fit };

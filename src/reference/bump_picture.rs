@@ -105,13 +105,14 @@ impl BumpPicture<'_> {
     }
 
     fn shade(&self, position: Vec3, normal: Vec3) -> Vec3 {
-        let (surface, material) = (self.surface, &self.surface.material);
+        let surface = self.surface;
         let to_eye = (surface.camera.eye_in_world() - position).normalize();
         let of_light = |light: &crate::lighting::Light| {
             let incident = light.at(position);
             let half = (to_eye + incident.direction_in_world).normalize_or(normal);
-            let cosines = [normal.dot(half), normal.dot(incident.direction_in_world)];
-            incident.radiance * reflect(material, material.shininess, cosines[0], cosines[1])
+            let material = self.surface.material.towards(half.dot(to_eye));
+            let specular = material.specular_at(normal.dot(half));
+            incident.radiance * reflect(&material, specular, normal.dot(incident.direction_in_world))
         };
         surface.exposure() * surface.lights.as_slice().iter().map(of_light).sum::<Vec3>()
     }

@@ -73,8 +73,9 @@ impl Filter for ExactCoverage {
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let reflected = |(index, share): (usize, f64)| {
             let normal = self.map.normal(index).unwrap_or(Vec3::ZERO);
-            let (half, cosine) = (normal.dot(light.half_in_tangent), normal.dot(light.light_in_tangent));
-            share * (self.map.color(index) * reflect(material, material.shininess, half, cosine)).as_dvec3()
+            let specular = material.specular_at(normal.dot(light.half_in_tangent));
+            let reflected = reflect(material, specular, normal.dot(light.light_in_tangent));
+            share * (self.map.color(index) * reflected).as_dvec3()
         };
         self.texels(lookup.uv, &lookup.footprint).into_iter().map(reflected).sum::<DVec3>().as_vec3()
     }

@@ -44,6 +44,8 @@ pub struct SessionFile {
     pub sky: Option<SkySource>,
     /// The file of the mesh, where the shape is one; relative to the session file.
     pub mesh: Option<PathBuf>,
+    /// The file of the measured reflectance, where one was read.
+    pub measured: Option<PathBuf>,
     /// The methods compared, and how they stand beside each other.
     pub comparison: Comparison,
     /// The selected texel.
@@ -163,9 +165,7 @@ impl SessionFile {
         if let Some(MapReference::Path(map)) = &mut self.map {
             change(map);
         }
-        if let Some(color) = &mut self.map_options.color {
-            change(color);
-        }
+        [&mut self.map_options.color, &mut self.measured].into_iter().flatten().for_each(&mut change);
         if let Some(SkySource::Path(sky)) = &mut self.sky {
             change(sky);
         }
@@ -220,6 +220,7 @@ impl Session {
             surface: self.surface.clone(),
             sky: self.surface.sky.environment.as_ref().map(|sky| sky.source.clone()),
             mesh: self.surface.shape.model.as_ref().map(|model| model.path.clone()),
+            measured: self.surface.material.measured.map(|measured| measured.measurement().name.clone().into()),
             comparison: self.comparison,
             selected: Some(self.selected),
             truth_samples: Some(self.truth_samples),
@@ -252,6 +253,9 @@ impl Session {
     /// A sky that is not read yet is read in the background.
     fn take_settings(&mut self, file: &SessionFile) {
         self.surface = file.surface.clone();
+        if let (Some(path), None) = (&file.measured, self.surface.material.measured) {
+            self.restore_measured(path.clone());
+        }
         if let Some(sky) = file.sky.clone().filter(|_| self.surface.sky.environment.is_none()) {
             self.open_sky(sky);
         }
@@ -323,6 +327,12 @@ mod tests {
         let again = parse(&file.to_json().expect("serialises"));
         assert_eq!(again, file);
         assert!(parse(r#"{"fit": {"lobes": 3}}"#).unknown_sentence().is_none());
+    }
+
+    #[test]
+    fn a_material_of_the_first_versions_is_blinn_phong() {
+        let material = parse(r#"{"surface": {"material": {"shininess": 10.0}}}"#).surface.material;
+        assert_eq!((material.model, material.shininess), (crate::brdf::Model::BlinnPhong, 10.0));
     }
 
     #[test]

@@ -10,6 +10,8 @@ mod fit;
 mod gpu;
 mod house;
 mod lobes_exr;
+mod materials;
+mod measured;
 mod meshes;
 mod objectives;
 mod opening;

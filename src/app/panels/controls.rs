@@ -6,9 +6,8 @@ use egui::{ProgressBar, RichText, ScrollArea, TextEdit, Ui};
 use glam::Vec3;
 
 use super::{PanelContext, heading, rule};
-use crate::app::parameter::{Parameter, choice, explained_choice, label};
+use crate::app::parameter::{Parameter, choice, label};
 use crate::app::{Command, theme};
-use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::LevelChoice;
 use crate::filter::vmf::{Alignment, EStep, FitSettings, Objective, Selection};
 use crate::lit_surface::LitSurface;
@@ -18,6 +17,7 @@ use crate::sphere::vmf::KappaRule;
 mod doctor;
 mod level_figures;
 mod light;
+mod material;
 mod parameters;
 mod shape;
 mod sky;
@@ -35,8 +35,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         fit(ui, context);
         let mut surface = context.session.surface.clone();
         rule(ui);
-        heading(ui, "Material");
-        material(ui, &mut surface);
+        material::show(ui, &mut surface.material, context);
         rule(ui);
         light::show(ui, &mut surface.lights, &mut context.view.light);
         rule(ui);
@@ -246,29 +245,6 @@ fn progress(ui: &mut Ui, context: &mut PanelContext<'_>) {
             context.push(command);
         }
     });
-}
-
-fn material(ui: &mut Ui, surface: &mut LitSurface) {
-    let material = &mut surface.material;
-    p::SHININESS.show_f32(ui, &mut material.shininess);
-    p::SPECULAR.show_f32(ui, &mut material.specular);
-    p::DIFFUSE.show_f32(ui, &mut material.diffuse);
-    ui.horizontal(|ui| {
-        label(ui, "Colours");
-        ui.spacing_mut().interact_size.x = 28.0;
-        color(ui, "Specular colour", &mut material.specular_color);
-        ui.label(RichText::new("specular").small().color(theme::WEAK));
-        color(ui, "Diffuse colour", &mut material.diffuse_color);
-        ui.label(RichText::new("diffuse").small().color(theme::WEAK));
-    });
-    let rules = ConvolutionRule::ALL.map(|rule| (rule, rule.label(), p::convolution(rule)));
-    if let Some(rule) = explained_choice(ui, "Convolution", p::CONVOLUTION, material.convolution, &rules) {
-        material.convolution = rule;
-    }
-    let rules = DiffuseRule::ALL.map(|rule| (rule, rule.label(), p::diffuse(rule)));
-    if let Some(rule) = explained_choice(ui, "Diffuse rule", p::DIFFUSE_RULE, material.diffuse_rule, &rules) {
-        material.diffuse_rule = rule;
-    }
 }
 
 fn color(ui: &mut Ui, name: &str, value: &mut Vec3) {

@@ -166,7 +166,7 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>) {
     ui.scope(|ui| {
         // What was found of another texel or material stays until the new figure is there, but not as if it held.
         ui.set_opacity(if context.brdf.is_running() { 0.5 } else { 1.0 });
-        let name = format!("Effective BRDF error at s = {:.0}", context.session.surface.material.shininess);
+        let name = format!("Effective BRDF error at s = {:.0}", context.session.surface.material.exponent());
         let error = context.brdf.error().map_or("–".to_owned(), |error| format!("{:.2} %", 100.0 * error));
         figure(ui, &name, &error, BRDF_ERROR);
     });

@@ -2,7 +2,8 @@
 //!
 //! P. Tan, S. Lin, L. Quan, B. Guo and H.-Y. Shum, *Multiresolution reflectance filtering*, EGSR 2005: four isotropic
 //! Gaussians a texel, aligned over the pyramid so that hardware may interpolate them, with two misprints put right
-//! (see [`gaussian`] and [`em`]). The material is a Gaussian of variance `1/s` over `(h_x, h_y)` that adds to each; half
+//! (see [`gaussian`] and [`em`]). The material is a Gaussian of variance `1/s`, s its equivalent exponent, over
+//! `(h_x, h_y)` that adds to each; half
 //! vectors below the horizon reflect nothing. A Gaussian's cosine is that of the normal above its mean.
 //!
 //! The plane takes steep normals for close ones, and those below the horizon for their mirror images.
@@ -84,7 +85,7 @@ impl Gmm {
 pub fn effective_brdf(mixture: &[PlanarGaussian], brdf: Brdf, omega: DVec3) -> f64 {
     let of_gaussian = |gaussian: &PlanarGaussian| match brdf {
         Brdf::Lambert => gaussian.weight * brdf.zonal(gaussian.normal().dot(omega)),
-        Brdf::BlinnPhong(model) => gaussian.weight * gaussian.density(1.0 / model.shininess, omega),
+        _ => gaussian.weight * gaussian.density(1.0 / brdf.exponent(), omega),
     };
     mixture.iter().filter(|gaussian| gaussian.weight > 0.0).map(of_gaussian).sum()
 }
@@ -103,12 +104,12 @@ impl Filter for Gmm {
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let taps = self.gaussians.taps(lookup);
+        let variance = 1.0 / f64::from(material.exponent());
         let (mut specular, mut diffuse) = (0.0, 0.0);
         for layer in 0..self.gaussians.layers {
             let stored = self.gaussians.blend(&taps, layer).to_array();
             let Some(gaussian) = PlanarGaussian::from_stored(stored) else { continue };
             let cosine = gaussian.weight * gaussian.normal().dot(light.light_in_tangent.as_dvec3()).max(0.0);
-            let variance = 1.0 / f64::from(material.shininess);
             specular += cosine * gaussian.density(variance, light.half_in_tangent.as_dvec3());
             diffuse += cosine;
         }

@@ -58,7 +58,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
 
 use super::sampling::{Grid, trilinear};
-use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, reflect};
+use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe};
 use crate::brdf::{Brdf, ConvolutionRule, Convolved, DiffuseRule, Material};
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
@@ -202,7 +202,7 @@ impl Filter for VmfFilter {
         let mixture = fold::mixture(&self.lobes, self.fold, texel).unwrap_or_default();
         let convolved = |lobe: &Lobe| match brdf {
             Brdf::Lambert => self.rules.diffuse.convolved_with(lobe.concentration),
-            Brdf::BlinnPhong(model) => self.rules.convolution.convolved_with(lobe.concentration, model.shininess),
+            _ => brdf.convolved_with(self.rules.convolution, lobe.concentration),
         };
         let lobes: Vec<(Lobe, Convolved)> = mixture.lobes.iter().map(|(_, lobe)| (*lobe, convolved(lobe))).collect();
         let of_lobe = |(lobe, convolved): &(Lobe, Convolved), omega: DVec3| {
@@ -249,12 +249,7 @@ fn shade_lobe(stored: glam::Vec4, light: &LocalLight, material: &Material) -> Ve
     let mu = resultant / length.max(1e-12);
     let kappa = vmf::concentration(1.0 - f64::from(length));
     let (half_cosine, light_cosine) = (mu.dot(light.half_in_tangent), mu.dot(light.light_in_tangent));
-    let shininess = f64::from(material.shininess);
-    if material.convolution != ConvolutionRule::Exact && material.diffuse_rule == DiffuseRule::Cosine {
-        let exponent = material.convolution.blurred_exponent(kappa, shininess) as f32;
-        return weight * reflect(material, exponent, half_cosine, light_cosine);
-    }
-    let specular = material.convolution.convolved(kappa, shininess, f64::from(half_cosine)) as f32;
+    let specular = material.blurred_at(kappa, half_cosine);
     let diffuse = material.diffuse_rule.cosine(kappa, f64::from(light_cosine)) as f32;
     weight
         * (material.specular * specular * light_cosine.max(0.0) * material.specular_color
@@ -263,7 +258,6 @@ fn shade_lobe(stored: glam::Vec4, light: &LocalLight, material: &Material) -> Ve
 
 /// `sum_j alpha_j f_j(mu_j . omega)` with each f_j blurred by its lobe, per steradian.
 pub fn effective_brdf(mixture: &Mixture, brdf: Brdf, omega: DVec3, rule: ConvolutionRule) -> f64 {
-    let of_lobe =
-        |lobe: &Lobe| lobe.weight * rule.convolved(lobe.concentration, brdf.exponent(), lobe.mean_direction.dot(omega));
+    let of_lobe = |lobe: &Lobe| lobe.weight * brdf.convolved(rule, lobe.concentration, lobe.mean_direction.dot(omega));
     mixture.lobes.iter().map(|(_, lobe)| of_lobe(lobe)).sum()
 }

@@ -1,12 +1,13 @@
 //! Draws the lit surface by one method into a picture of its own, in linear light with depth.
 
 use super::environment::EnvironmentPass;
-use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::filter::rival::RivalKind;
 use crate::filter::vmf::Fold;
 use crate::filter::{LevelChoice, Method};
 use crate::gpu::exact_tables::ExactTables;
 use crate::gpu::layout::{self, bind_group, bind_group_layout, texture, texture_2d, uniform_buffer};
+use crate::gpu::measured_table::MeasuredTable;
+use crate::gpu::reflectance::ReflectanceData;
 use crate::gpu::rival_textures::RivalTextures;
 use crate::gpu::sky_textures::SkyTextures;
 use crate::gpu::surface_pipelines::{SurfacePipelines, Variant};
@@ -22,9 +23,14 @@ pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shader's parts, in order.
-pub const SHADER: [&str; 10] = [
+pub const SHADER: [&str; 15] = [
     layout::VMF,
     layout::BLINN_PHONG,
+    layout::TORRANCE_SPARROW,
+    layout::GGX,
+    layout::MEASURED,
+    layout::CONVOLUTION,
+    layout::MATERIAL,
     layout::EXACT_TABLE,
     layout::FILTER,
     layout::PROBES,
@@ -48,16 +54,8 @@ pub struct FrameData {
     pub clip_from_world: [[f32; 4]; 4],
     /// The eye.
     pub eye_in_world: [f32; 3],
-    /// Blinn-Phong exponent s.
-    pub shininess: f32,
-    /// Linear RGB.
-    pub specular_color: [f32; 3],
-    /// Ks.
-    pub specular: f32,
-    /// Linear RGB.
-    pub diffuse_color: [f32; 3],
-    /// Kd.
-    pub diffuse: f32,
+    /// The level to read everywhere, where the rule asks for one.
+    pub fixed_level: f32,
     /// Where the map is read, from the surface's own texture coordinates; by columns.
     pub uv_from_surface: [[f32; 2]; 2],
     /// Texels of the map's base level.
@@ -76,18 +74,16 @@ pub struct FrameData {
     pub first_sample: u32,
     /// Samples of the truth to add.
     pub sample_count: u32,
-    /// The rule for the diffuse part, by the shader's number.
-    pub diffuse_rule: u32,
-    /// The convolution rule, by the shader's number.
-    pub convolution: u32,
     /// The choice of level, by the shader's number.
     pub level_choice: u32,
     /// Most probes along the long axis of a pixel's footprint.
     pub most_probes: u32,
-    /// The level to read everywhere, where the rule asks for one.
-    pub fixed_level: f32,
     /// Lights in use.
     pub light_count: u32,
+    /// Nothing.
+    pub padding: u32,
+    /// Nothing.
+    pub more_padding: [u32; 2],
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
     /// The lights.
@@ -116,14 +112,12 @@ impl LightData {
 impl FrameData {
     /// The part that follows from the surface and the picture's size; the rest is the map's, left 0.
     pub fn of_surface(surface: &LitSurface, size: [u32; 2]) -> Self {
-        let material = &surface.material;
         let lights = surface.lights.as_slice();
         Self {
             lights: std::array::from_fn(|index| lights.get(index).map(LightData::new).unwrap_or_default()),
             light_count: lights.len() as u32,
             clip_from_world: surface.camera.clip_from_world(size[0] as f32 / size[1] as f32).to_cols_array_2d(),
             eye_in_world: surface.camera.eye_in_world().to_array(),
-            shininess: material.shininess,
             fixed_level: if let LevelChoice::Fixed(level) = surface.level { level } else { 0.0 },
             level_choice: match surface.level {
                 LevelChoice::Auto => 0,
@@ -131,20 +125,6 @@ impl FrameData {
                 LevelChoice::Fixed(_) => 2,
             },
             most_probes: surface.level_rule().most_probes,
-            convolution: match material.convolution {
-                ConvolutionRule::Paper => 0,
-                ConvolutionRule::ShiftedExponent => 1,
-                ConvolutionRule::Moment => 2,
-                ConvolutionRule::Exact => 3,
-            },
-            diffuse_rule: match material.diffuse_rule {
-                DiffuseRule::Cosine => 0,
-                DiffuseRule::Exact => 1,
-            },
-            specular_color: material.specular_color.to_array(),
-            specular: material.specular,
-            diffuse_color: material.diffuse_color.to_array(),
-            diffuse: material.diffuse,
             uv_from_surface: surface.shape.uv_from_surface().to_cols_array_2d(),
             ..Self::default()
         }
@@ -158,13 +138,19 @@ impl FrameData {
     }
 }
 
+/// What group 0 binds: the frame, exact convolutions, the material, its measured factors.
+const FRAME_BINDINGS: [wgpu::BindingType; 4] =
+    [layout::UNIFORM, ExactTables::BINDING, layout::UNIFORM, MeasuredTable::BINDING];
+
 /// Pipelines, the mesh and constants.
 #[derive(Debug)]
 pub struct SurfacePass {
     pipelines: SurfacePipelines,
     variant: Variant,
     constants: wgpu::Buffer,
+    reflectance: wgpu::Buffer,
     exact_tables: ExactTables,
+    measured: MeasuredTable,
     frame_group: wgpu::BindGroup,
     sky: SkyTextures,
     environment: EnvironmentPass,
@@ -213,22 +199,27 @@ impl SurfacePass {
     /// Compiles the pipelines of every method; `map` is the layout of group 1.
     pub fn new(device: &wgpu::Device, map: &wgpu::BindGroupLayout) -> Self {
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let frame = bind_group_layout(device, "surface frame", both, &[layout::UNIFORM, ExactTables::BINDING]);
+        let frame = bind_group_layout(device, "surface frame", both, &FRAME_BINDINGS);
         let mean_type = texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
         let mean_layout = bind_group_layout(device, "truth so far", wgpu::ShaderStages::FRAGMENT, &[mean_type]);
         let rival_layout = RivalTextures::layout(device);
         let sky = SkyTextures::new(device);
         let pipelines = SurfacePipelines::new(device, [&frame, map, sky.layout()], [&mean_layout, &rival_layout]);
         let constants = uniform_buffer::<FrameData>(device, "surface frame");
+        let reflectance = uniform_buffer::<ReflectanceData>(device, "material");
         let exact_tables = ExactTables::new(device);
         let tables = exact_tables.view();
-        let resources = [constants.as_entire_binding(), wgpu::BindingResource::TextureView(&tables)];
+        let measured = MeasuredTable::new(device);
+        let (tables, table) = (texture_view(&tables), measured.view());
+        let resources = [constants.as_entire_binding(), tables, reflectance.as_entire_binding(), texture_view(&table)];
         let frame_group = bind_group(device, "surface frame", &frame, &resources);
         Self {
             pipelines,
             variant: Variant::default(),
             constants,
+            reflectance,
             exact_tables,
+            measured,
             frame_group,
             sky,
             environment: EnvironmentPass::new(device),
@@ -266,7 +257,10 @@ impl SurfacePass {
         size: [u32; 2],
     ) {
         queue.write_buffer(&self.constants, 0, bytemuck::bytes_of(data));
+        let reflectance = ReflectanceData::of_material(&surface.material);
+        queue.write_buffer(&self.reflectance, 0, bytemuck::bytes_of(&reflectance));
         self.exact_tables.prepare(queue, &surface.material);
+        self.measured.prepare(queue, &surface.material);
         if self.sky.prepare(queue, &surface.sky, &surface.material) {
             self.environment.set_sky(device, self.sky.texels());
         }
@@ -334,6 +328,10 @@ impl MeshBuffers {
             count: mesh.indices.len() as u32,
         }
     }
+}
+
+fn texture_view(view: &wgpu::TextureView) -> wgpu::BindingResource<'_> {
+    wgpu::BindingResource::TextureView(view)
 }
 
 fn begin<'a>(

@@ -7,6 +7,7 @@ use ndf_inspector::gpu::passes::compare::{self, CompareData};
 use ndf_inspector::gpu::passes::environment::{self, EnvironmentData};
 use ndf_inspector::gpu::passes::sphere::{self, gpu_data};
 use ndf_inspector::gpu::passes::surface::{self, FrameData, LightData};
+use ndf_inspector::gpu::reflectance::{MaterialData, ReflectanceData};
 use ndf_inspector::gpu::rival_textures::RivalData;
 use ndf_inspector::gpu::sky_textures::SkyData;
 use wgpu::naga;
@@ -41,11 +42,7 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
     let rust = rust_layout!(FrameData {
         clip_from_world,
         eye_in_world,
-        shininess,
-        specular_color,
-        specular,
-        diffuse_color,
-        diffuse,
+        fixed_level,
         uv_from_surface,
         base_size,
         vmf_lods,
@@ -55,12 +52,11 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         wraps,
         first_sample,
         sample_count,
-        diffuse_rule,
-        convolution,
         level_choice,
         most_probes,
-        fixed_level,
         light_count,
+        padding,
+        more_padding,
         fold,
         lights,
     });
@@ -68,6 +64,21 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
     assert_eq!(layout(&module, "Light"), rust_layout!(LightData { position_in_world, radiance, padding }));
     let sky = rust_layout!(SkyData { turn, intensity, last_band, specular_bands, diffuse_bands });
     assert_eq!(layout(&module, "Sky"), sky);
+    let rust = rust_layout!(ReflectanceData { material, lobes, multipliers });
+    assert_eq!(layout(&module, "Reflectance"), rust);
+    let (members, _) = rust_layout!(MaterialData {
+        specular_color,
+        specular,
+        diffuse_color,
+        diffuse,
+        exponent,
+        roughness,
+        peak,
+        fresnel,
+        convolution,
+        diffuse_rule,
+    });
+    assert_eq!(layout(&module, "Material"), (members, size_of::<MaterialData>()));
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod groove;
 mod layouts;
 mod limits;
 pub mod maps;
+mod models;
 mod sky;
 mod truth;
 mod twins;

@@ -5,6 +5,7 @@ mod behaviour;
 mod doctor;
 mod exports;
 mod live_figures;
+mod materials;
 mod pictures;
 mod real;
 mod scripts;

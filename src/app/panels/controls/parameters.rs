@@ -51,7 +51,10 @@ pub(super) const SELECTION: &str = "How many lobes a texel gets: J of them, or a
      Blinn-Phong at s = 64; BIC is the Bayesian information criterion.";
 pub(super) const OBJECTIVE: &str = "What each texel's own fit strives for. Appearance: the shaded look. EM: the papers' Algorithm 1. Likelihood: the \
      highest density, by splitting and merging lobes.";
-pub(super) const CONVOLUTION: &str = "How Blinn-Phong of exponent s is convolved with a lobe of concentration kappa.";
+pub(super) const MODEL: &str = "How the specular part depends on the angle between normal and half vector.";
+pub(super) const CONVOLUTION: &str = "How the material is convolved with a lobe of concentration kappa. The closed rules are \
+                                      Blinn-Phong's and that of the lobes which stand for GGX; Torrance-Sparrow has its \
+                                      own (eq. 21).";
 pub(super) const DIFFUSE_RULE: &str = "How much light falls on what a lobe stands for.";
 /// What a choice of level is.
 pub(super) fn level(choice: LevelChoice) -> &'static str {
@@ -164,15 +167,6 @@ pub(super) const ITERATIONS: Parameter = Parameter {
     tooltip: "The most EM iterations per texel; most texels stop earlier.",
     ..PLAIN
 };
-pub(super) const SHININESS: Parameter = Parameter {
-    name: "Shininess s",
-    range: [1.0, 4000.0],
-    default: MATERIAL.shininess as f64,
-    decimals: 1,
-    logarithmic: true,
-    tooltip: "Blinn-Phong exponent: (s + 1) / (2 pi) max(n.h, 0)^s.",
-    ..PLAIN
-};
 pub(super) const SPECULAR: Parameter = Parameter {
     name: "Specular Ks",
     range: [0.0, 2.0],
@@ -187,6 +181,18 @@ pub(super) const DIFFUSE: Parameter = Parameter {
     default: MATERIAL.diffuse as f64,
     decimals: 3,
     tooltip: "Strength of the diffuse part.",
+    ..PLAIN
+};
+pub(super) const DRYING_TIME: Parameter = Parameter {
+    name: "Drying time",
+    tooltip: "From 0, wet, to 1, dry: Ks, Kd and ln s go by wet + (dry - wet) (1 - exp(-3 t)) / (1 - exp(-3)).",
+    ..PLAIN
+};
+pub(super) const FRESNEL: Parameter = Parameter {
+    name: "Fresnel",
+    default: MATERIAL.fresnel as f64,
+    tooltip: "Strength 1 - F0 of Schlick's factor F0 + (1 - F0) (1 - l.h)^5 on the specular part; 0 is none. It does not \
+              depend on the normal and is not filtered (Han et al. 2007, section 4.3).",
     ..PLAIN
 };
 pub(super) const LIGHT_AZIMUTH: Parameter = Parameter {
@@ -365,9 +371,9 @@ mod tests {
             (LOBES, fit.lobes as f64),
             (ITERATIONS, fit.iterations as f64),
             (BLEND, f64::from(Alignment::DEFAULT_BLEND)),
-            (SHININESS, f64::from(surface.material.shininess)),
             (SPECULAR, f64::from(surface.material.specular)),
             (DIFFUSE, f64::from(surface.material.diffuse)),
+            (FRESNEL, f64::from(surface.material.fresnel)),
             (LIGHT_AZIMUTH, f64::from(light.azimuth_deg)),
             (LIGHT_ELEVATION, f64::from(light.elevation_deg)),
             (LIGHT_INTENSITY, f64::from(light.intensity)),

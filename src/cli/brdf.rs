@@ -1,0 +1,40 @@
+//! A BRDF as options name it.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use crate::brdf::{Brdf, ParseBrdfError};
+use crate::session::measured;
+
+/// An analytic BRDF, or a file of a measured one, which is read when it is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BrdfArgument {
+    /// `lambert`, `blinn-phong:S` and so on.
+    Analytic(Brdf),
+    /// `merl:FILE`.
+    Merl(PathBuf),
+}
+
+impl FromStr for BrdfArgument {
+    type Err = ParseBrdfError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.strip_prefix("merl:") {
+            Some(path) if !path.is_empty() => Ok(Self::Merl(path.into())),
+            _ => text.parse().map(Self::Analytic),
+        }
+    }
+}
+
+impl BrdfArgument {
+    /// The BRDF, its file read.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the cause.
+    pub fn read(&self) -> anyhow::Result<Brdf> {
+        match self {
+            Self::Analytic(brdf) => Ok(*brdf),
+            Self::Merl(path) => Ok(Brdf::Measured(measured::read(path)?)),
+        }
+    }
+}
