@@ -147,9 +147,10 @@ fn number(text: &str) -> Result<f32, String> {
 
 /// Keys as menus write them: `Ctrl+Shift+S`, `F2`, `+`.
 fn shortcut(text: &str) -> Result<KeyboardShortcut, String> {
-    let (before, key) = match text.strip_suffix('+') {
+    let (before, key) = match text.strip_suffix("++") {
         Some(before) => (before, "+"),
-        None => text.rsplit_once('+').map_or(("", text), |(before, key)| (before, key)),
+        None if text == "+" => ("", "+"),
+        None => text.rsplit_once('+').unwrap_or(("", text)),
     };
     let mut modifiers = Modifiers::NONE;
     for name in before.split('+').filter(|name| !name.is_empty()) {

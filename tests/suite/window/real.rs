@@ -65,7 +65,7 @@ impl Screen {
     /// Opens the window and waits until it takes keys.
     fn open(&self, arguments: &[&str]) -> Owned {
         let program = self.command(env!("CARGO_BIN_EXE_ndf-inspector")).args(arguments).spawn().expect("it starts");
-        self.xdotool("search --sync --onlyvisible --name NDF windowfocus --sync");
+        self.xdotool("search --sync --onlyvisible --name NDF windowfocus");
         Owned(program)
     }
 
@@ -74,6 +74,12 @@ impl Screen {
         let mut command = self.command("timeout");
         let done = command.args(["90", "xdotool"]).args(arguments.split(' ')).stdout(Stdio::null()).status();
         assert!(done.expect("xdotool runs").success(), "xdotool {arguments}");
+    }
+
+    /// Presses keys in the window that is there now: one that was killed a moment ago may have had the focus.
+    fn keys(&self, keys: &str) {
+        self.xdotool("search --sync --onlyvisible --name NDF windowfocus");
+        self.xdotool(&format!("sleep 0.3 key {keys}"));
     }
 
     fn click(&self, at: Pos2) {
@@ -115,7 +121,7 @@ impl Screen {
     }
 
     fn quit(&self, mut program: Owned) {
-        self.xdotool("key ctrl+q");
+        self.keys("ctrl+q");
         let start = Instant::now();
         let status = loop {
             if let Some(status) = program.0.try_wait().expect("it is ours") {
@@ -177,11 +183,11 @@ fn the_real_window_is_driven_closed_killed_and_shows_the_same_again() {
     screen.wait_for("the wipe", |file| file.comparison.wipe < 0.4);
     screen.click(level);
     screen.wait_for("level 1", |file| file.selected.is_some_and(|texel| texel.level == 1));
-    screen.xdotool("key ctrl+z");
+    screen.keys("ctrl+z");
     screen.wait_for("undo", |file| file.selected.is_some_and(|texel| texel.level != 1));
-    screen.xdotool("key ctrl+y");
+    screen.keys("ctrl+y");
     screen.wait_for("redo", |file| file.selected.is_some_and(|texel| texel.level == 1));
-    screen.xdotool("key ctrl+shift+s sleep 1.5 key ctrl+a sleep 0.5");
+    screen.keys("ctrl+shift+s sleep 1.5 key ctrl+a sleep 0.5");
     screen.xdotool("type --delay 100 saved.ndfi.json");
     screen.xdotool("key Return");
     let saved = screen.path("saved.ndfi.json");
@@ -196,13 +202,13 @@ fn the_real_window_is_driven_closed_killed_and_shows_the_same_again() {
 
     let killed = screen.open_and_wait(&["saved.ndfi.json"]);
     screen.wait_for("the same state", |file| state(file) == state(&saved));
-    screen.xdotool("key e");
+    screen.keys("e");
     screen.wait_for("a brighter picture", |file| file.surface.exposure_stops == 0.5);
     drop(killed);
     let again = screen.open_and_wait(&[]);
     let is_same = |file: &SessionFile| file.surface.exposure_stops == 0.5 && file.fit == saved.fit;
     screen.wait_for("what it was killed in", is_same);
-    screen.xdotool("key shift+e");
+    screen.keys("shift+e");
     screen.wait_for("the state that was saved", |file| state(file) == state(&saved));
     screen.quit(again);
 }
