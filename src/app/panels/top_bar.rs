@@ -53,7 +53,8 @@ fn show_menu(ui: &mut Ui, context: &mut PanelContext<'_>, menu: Menu) {
             None => item(ui, context, action, menu.label()),
             Some(name) if shown != Some(name) => {
                 shown = Some(name);
-                ui.menu_button(name, |ui| show_submenu(ui, context, menu, name));
+                let opened = ui.menu_button(name, |ui| show_submenu(ui, context, menu, name));
+                opened.response.accessible_name(format!("{}: {name}", menu.label()));
             }
             Some(_) => {}
         }
