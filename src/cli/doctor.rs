@@ -12,11 +12,15 @@ use crate::normal_map::MapOptions;
 use crate::normal_map::diagnose::{Confidence, Diagnosis, Finding, LengthHistogram, Subject};
 use crate::normal_map::procedural::{self, DEFAULT_SIZE};
 
+/// How the answer reads.
+const EXPLANATION: &str = "\
+Each line is an answer: its subject, how sure it is, and why. Exit status 0 where nothing is doubtful, 3 where something \
+is: the map is read against an answer, or the answer is a defect. Doubtful lines begin with an exclamation mark and name \
+the option that would settle them.";
+
 /// What a file says of how it should be read, and whether it is read so.
-///
-/// Exit status 0 where nothing is doubtful, 3 where something is: a finding against which the map is read, or a defect.
-/// Doubtful lines begin with an exclamation mark and name the option that would settle them.
 #[derive(Args, Debug)]
+#[command(after_help = EXPLANATION)]
 pub struct DoctorCommand {
     /// The normal map, or a bundled one by name.
     pub map: PathBuf,
