@@ -59,7 +59,7 @@ impl Vertex {
     /// frame left-handed; the normal stays outward.
     pub fn tangents(&self, uv_from_surface: Mat2) -> Tangents {
         let [[a, minus_c], [minus_b, d]] = uv_from_surface.to_cols_array_2d();
-        let derivative = |along: [f32; 4]| Vec3::new(along[0], along[1], along[2]) * along[3].max(LEAST_LENGTH);
+        let derivative = |along: [f32; 4]| Vec3::new(along[0], along[1], along[2]) * along[3].max(LEAST_DERIVATIVE);
         let (along_u, along_t) = (derivative(self.along_u), derivative(self.along_t));
         let orientation = if uv_from_surface.determinant() < 0.0 { -1.0 } else { 1.0 };
         Tangents {
@@ -70,7 +70,7 @@ impl Vertex {
 }
 
 /// A derivative's length counts as this at least, so that a pole keeps its directions; the shader's too.
-pub const LEAST_LENGTH: f32 = 1e-6;
+pub const LEAST_DERIVATIVE: f32 = 1e-6;
 
 /// Vertices, and three indices a triangle, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
