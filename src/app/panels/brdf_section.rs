@@ -146,7 +146,8 @@ fn table(ui: &mut Ui, shapes: &[BrdfShape]) {
 fn name(method: Method) -> LayoutJob {
     let mut job = LayoutJob::default();
     let font = FontId::proportional(11.5);
-    job.append("●", 0.0, TextFormat::simple(font.clone(), MethodStyle::of(method).color));
+    let mark = TextFormat::simple(FontId::proportional(18.0), MethodStyle::of(method).color);
+    job.append("•", 0.0, TextFormat { valign: Align::Center, ..mark });
     job.append(&method.label(), theme::GRID, TextFormat::simple(font, theme::TEXT));
     job
 }
