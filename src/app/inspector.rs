@@ -145,7 +145,9 @@ impl Inspector {
         let gathering = self.report.is_gathering() || self.brdf.is_running() || self.trace.is_running();
         let opening = session.is_opening() || session.is_opening_sky() || session.is_measuring();
         let busy = computing || gathering || self.errors.is_running() || opening || self.view.is_playing();
-        let drawing = self.surroundings.target.status.get().wants_more;
+        // A surface out of sight is not drawn, and keeps what its last frame said.
+        let in_sight = matches!(self.view.layout, Layout::Surface | Layout::Split);
+        let drawing = in_sight && self.surroundings.target.status.get().wants_more;
         !busy && !drawing && self.live_figures.is_done(self.live_task().as_ref())
     }
 
