@@ -23,6 +23,9 @@ mod shape;
 mod sky;
 use parameters as p;
 
+/// Width of a button that opens a file, no less than its words take: a row that is wider than the panel widens it.
+const OPEN_WIDTH: f32 = 64.0;
+
 /// Shows all groups, scrolling where the window is low.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -54,14 +57,14 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
 
 fn map(ui: &mut Ui, context: &mut PanelContext<'_>) {
     ui.horizontal(|ui| {
-        let width = ui.available_width() - 62.0;
+        let width = ui.available_width() - OPEN_WIDTH - ui.spacing().item_spacing.x;
         let field = TextEdit::singleline(&mut context.view.typed_path).hint_text("Path of an image, or drop one");
         let response = ui.add_sized([width, theme::ROW], field).accessible_name("Path of an image");
         let entered = response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         if entered && !context.view.typed_path.trim().is_empty() {
             context.push(Command::OpenPath(PathBuf::from(context.view.typed_path.trim())));
         }
-        if ui.add_sized([56.0, theme::ROW], egui::Button::new("Open…")).clicked() {
+        if ui.add_sized([OPEN_WIDTH, theme::ROW], egui::Button::new("Open…")).clicked() {
             context.push(Command::OpenDialog);
         }
     });

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Align, Layout, RichText, TextEdit, Ui};
 
-use super::{PanelContext, color, parameters as p};
+use super::{OPEN_WIDTH, PanelContext, color, parameters as p};
 use crate::app::drying_view::DryingView;
 use crate::app::panels::{heading, toggle};
 use crate::app::parameter::{Parameter, explained_choice, label};
@@ -73,7 +73,7 @@ fn drying(ui: &mut Ui, material: &mut Material, view: &mut DryingView) {
 /// Which file was measured, and what its factors leave out.
 fn measured(ui: &mut Ui, material: &Material, context: &mut PanelContext<'_>) {
     ui.horizontal(|ui| {
-        let width = ui.available_width() - 62.0;
+        let width = ui.available_width() - OPEN_WIDTH - ui.spacing().item_spacing.x;
         let field =
             TextEdit::singleline(&mut context.view.typed_measured).hint_text("Path of a MERL file, or drop one");
         let response = ui.add_sized([width, theme::ROW], field).accessible_name("Path of a MERL file");
@@ -81,7 +81,7 @@ fn measured(ui: &mut Ui, material: &Material, context: &mut PanelContext<'_>) {
         if entered && !context.view.typed_measured.trim().is_empty() {
             context.push(Command::OpenMeasured(PathBuf::from(context.view.typed_measured.trim())));
         }
-        let button = ui.add_sized([56.0, theme::ROW], egui::Button::new("Open…"));
+        let button = ui.add_sized([OPEN_WIDTH, theme::ROW], egui::Button::new("Open…"));
         if button.accessible_name("Open a MERL file").clicked() {
             context.push(Command::OpenMeasuredDialog);
         }

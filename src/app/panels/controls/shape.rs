@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use egui::{RichText, TextEdit, Ui};
 
-use super::PanelContext;
 use super::parameters as p;
+use super::{OPEN_WIDTH, PanelContext};
 use crate::app::panels::needles;
 use crate::app::parameter::{choice, label};
 use crate::app::view_state::NeedlesView;
@@ -63,7 +63,7 @@ fn frames(ui: &mut Ui, frames: &mut FrameRule) {
 /// Opens a mesh, and says what is odd about the one that is shown.
 fn mesh(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &Shape) {
     ui.horizontal(|ui| {
-        let width = ui.available_width() - 62.0;
+        let width = ui.available_width() - OPEN_WIDTH - ui.spacing().item_spacing.x;
         let field = TextEdit::singleline(&mut context.view.typed_mesh_path).hint_text("Path of a mesh, or drop one");
         let response = ui.add_sized([width, theme::ROW], field).accessible_name("Path of a mesh");
         let entered = response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
@@ -71,7 +71,8 @@ fn mesh(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &Shape) {
             context.push(Command::OpenMesh(PathBuf::from(context.view.typed_mesh_path.trim())));
         }
         let open = egui::Button::new("Open…");
-        if ui.add_sized([56.0, theme::ROW], open).accessible_name("Open a mesh").on_hover_text(p::MESH).clicked() {
+        if ui.add_sized([OPEN_WIDTH, theme::ROW], open).accessible_name("Open a mesh").on_hover_text(p::MESH).clicked()
+        {
             context.push(Command::OpenMeshDialog);
         }
     });
