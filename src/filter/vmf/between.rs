@@ -63,6 +63,9 @@ const LEAST_DAMPING: f64 = 1e-5;
 /// Factor on the damping after a round that is not.
 const RAISED: f64 = 8.0;
 
+/// What E must fall by in proportion: less is rounding, and a step at random.
+const LEAST_GAIN: f64 = 1e-6;
+
 /// The mean length up to which a step may sharpen a lobe, kappa 2000: what is sharper looks the same at s = 64, and would
 /// be a glint that is not there under a sharper material.
 const LONGEST: f64 = 1.0 - 1.0 / 2000.0;
@@ -117,7 +120,7 @@ fn take_rounds<J: Joint>(
     for left in (0..rounds).rev() {
         let eased = (damping * EASED).max(LEAST_DAMPING);
         let here = pass(joint, level, &trial, (left > 0).then_some(eased), &mut next)?;
-        if here < least {
+        if here < least - LEAST_GAIN * least.abs() {
             least = here;
             damping = eased;
             std::mem::swap(kept, &mut trial);

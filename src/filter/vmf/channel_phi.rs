@@ -27,6 +27,15 @@ const ZERO: Lanes = Lanes::splat(0.0);
 /// a^2.
 const MOMENT: f32 = (MEAN_COSINE * MEAN_COSINE) as f32;
 
+/// `1 - a^2`.
+const REST: f32 = (1.0 - MEAN_COSINE * MEAN_COSINE) as f32;
+
+/// `1 - a^2 rho_j rho_k`, of terms that are all positive: it keeps the digits that a product near 1 has lost.
+#[inline(always)]
+fn shortfall(rho_j: f32, rho_k: f32) -> f32 {
+    REST + MOMENT * ((1.0 - rho_j) + rho_j * (1.0 - rho_k))
+}
+
 /// Normals beside each other: the first of the place in every lane, then the second; `stride` apart.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalWindow<'a> {
@@ -71,7 +80,7 @@ fn data_terms(own: &mut ChannelPhi, lobes: &ChannelLobes, windows: &[NormalWindo
     for j in 0..lobes.count {
         let mut factor = ZERO;
         for i in 0..LANES {
-            factor.0[i] = -0.5 * LOG2_E * LaneWidth::of_length::<FMA>(MOMENT * lobes.rho[j].0[i]).kappa;
+            factor.0[i] = -0.5 * LOG2_E * LaneWidth::of_shortfall::<FMA>(shortfall(lobes.rho[j].0[i], 1.0)).kappa;
         }
         let mut sums = [ZERO; 4];
         for window in windows {
@@ -80,14 +89,14 @@ fn data_terms(own: &mut ChannelPhi, lobes: &ChannelLobes, windows: &[NormalWindo
         let ([mx, my, mz], [value, dx, dy, dz], part) = (&lobes.mu[j], &sums, &mut own.data[j]);
         for i in 0..LANES {
             let rho = lobes.rho[j].0[i];
-            let width = LaneWidth::of_length::<FMA>(MOMENT * rho);
+            let width = LaneWidth::of_shortfall::<FMA>(shortfall(rho, 1.0));
             let used = lobes.channels[j][0].0[i] > 0.0;
             let scale = if used { share * width.peak } else { 0.0 };
             let value = scale * value.0[i];
             let (dx, dy, dz) = (scale * dx.0[i], scale * dy.0[i], scale * dz.0[i]);
             let along = dx * mx.0[i] + dy * my.0[i] + dz * mz.0[i];
             // dv/dK = v (n.mu - A), and n.mu = 1 + (n - mu).mu.
-            let by_rho = MOMENT / width.slope * ((1.0 - width.length) * value + along);
+            let by_rho = MOMENT / width.slope * (width.shortfall * value + along);
             let turn = width.kappa / rho;
             let radial = by_rho - turn * along;
             part[0].0[i] = value - rho * by_rho;
@@ -185,10 +194,10 @@ fn pair_products<const FMA: bool>(lobes: &ChannelLobes, (j, k): (usize, usize)) 
         let (dx, dy, dz) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
         let chord = dx * dx + dy * dy + dz * dz;
         let u = 1.0 - 0.5 * chord;
-        let width = LaneWidth::of_length::<FMA>(MOMENT * rho_j * rho_k);
+        let width = LaneWidth::of_shortfall::<FMA>(shortfall(rho_j, rho_k));
         let density = width.peak * exp_of_negative::<FMA>(-0.5 * width.kappa * chord);
         let v = if alpha_j.0[i] > 0.0 && alpha_k.0[i] > 0.0 { density } else { 0.0 };
-        let (kappa, inverse, off) = (width.kappa, 1.0 / width.slope, u - width.length);
+        let (kappa, inverse, off) = (width.kappa, 1.0 / width.slope, width.shortfall - 0.5 * chord);
         // dK / drho on either side, and by both.
         let (in_j, in_k) = (MOMENT * rho_k * inverse, MOMENT * rho_j * inverse);
         let in_both = inverse * (MOMENT - width.curvature * in_j * in_k);
@@ -230,7 +239,7 @@ fn pair_products<const FMA: bool>(lobes: &ChannelLobes, (j, k): (usize, usize)) 
 ))]
 pub fn energy(normals: &NormalWindow, out: &mut Lanes) {
     const FMA: bool = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
-    let width = LaneWidth::of_length::<FMA>(MOMENT);
+    let width = LaneWidth::of_shortfall::<FMA>(REST);
     let factor = -0.5 * LOG2_E * width.kappa;
     let [xs, ys, zs, ws] = normals.columns;
     let mut sum = ZERO;

@@ -53,8 +53,9 @@ pub struct CrowdPhi {
     pub system: CrowdSystem,
     /// Two tangents of every lobe.
     pub frames: [Frame; MAX_LOBES],
-    /// `A(kappa)`.
+    /// `A(kappa)`, and what is left of 1.
     length: [Lanes; MAX_LOBES],
+    shortfall: [Lanes; MAX_LOBES],
     /// `dA / d ln kappa`.
     slope: [Lanes; MAX_LOBES],
     /// The data's share of the gradient, then the mixture's.
@@ -70,6 +71,7 @@ impl Default for CrowdPhi {
             system: CrowdSystem::default(),
             frames: [[[ZERO; 3]; 2]; MAX_LOBES],
             length: [ZERO; MAX_LOBES],
+            shortfall: [ZERO; MAX_LOBES],
             slope: [ZERO; MAX_LOBES],
             data: parts,
             model: parts,
@@ -82,7 +84,7 @@ impl CrowdPhi {
     pub fn weights(&mut self, at: &CrowdParameters) -> Weights {
         let mut weights = [ZERO; MATERIALS.len()];
         widths(self, at);
-        energies(at, &self.length, &mut weights);
+        energies(at, self, &mut weights);
         for (weight, importance) in weights.iter_mut().zip(IMPORTANCE) {
             weight.0.iter_mut().for_each(|value| *value = importance as f32 / value.max(f32::MIN_POSITIVE));
         }
@@ -99,6 +101,12 @@ impl CrowdPhi {
     }
 }
 
+/// `1 - a^2 L` from what is left of 1 by L, of terms that are all positive: a product near 1 has lost the digits.
+#[inline(always)]
+fn shortfall(material: usize, left: f32) -> f32 {
+    (1.0 - MOMENTS[material]) as f32 + MOMENTS[material] as f32 * left
+}
+
 /// `A(kappa)`, its derivative, and tangents (Duff et al. 2017) of every lobe.
 #[multiversion(targets(
     "x86_64+avx+avx2+bmi1+bmi2+fma+avx512f+avx512bw+avx512dq+avx512vl",
@@ -113,6 +121,7 @@ fn widths(own: &mut CrowdPhi, at: &CrowdParameters) {
         for i in 0..LANES {
             let width = LaneWidth::of_kappa::<FMA>(at.kappa[j].0[i]);
             (own.length[j].0[i], own.slope[j].0[i]) = (width.length, width.slope * width.kappa);
+            own.shortfall[j].0[i] = width.shortfall;
             let (x, y, z) = (x.0[i], y.0[i], z.0[i]);
             let sign = 1.0_f32.copysign(z);
             let a = -1.0 / (sign + z);
@@ -129,7 +138,7 @@ fn widths(own: &mut CrowdPhi, at: &CrowdParameters) {
     "x86_64+avx+avx2+bmi1+bmi2+fma",
     "x86_64+sse4.1"
 ))]
-fn energies(at: &CrowdParameters, length: &[Lanes; MAX_LOBES], energies: &mut Weights) {
+fn energies(at: &CrowdParameters, own: &CrowdPhi, energies: &mut Weights) {
     const FMA: bool = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
     for k in 0..at.count {
         for j in 0..=k {
@@ -139,8 +148,8 @@ fn energies(at: &CrowdParameters, length: &[Lanes; MAX_LOBES], energies: &mut We
                 for i in 0..LANES {
                     let (dx, dy, dz) = (xj.0[i] - xk.0[i], yj.0[i] - yk.0[i], zj.0[i] - zk.0[i]);
                     let chord = dx * dx + dy * dy + dz * dz;
-                    let product = MOMENTS[material] as f32 * length[j].0[i] * length[k].0[i];
-                    let width = LaneWidth::of_length::<FMA>(product);
+                    let left = own.shortfall[j].0[i] + own.length[j].0[i] * own.shortfall[k].0[i];
+                    let width = LaneWidth::of_shortfall::<FMA>(shortfall(material, left));
                     let value = width.peak * exp_of_negative::<FMA>(-0.5 * width.kappa * chord);
                     energy.0[i] += times * at.alpha[j].0[i] * at.alpha[k].0[i] * value;
                 }
@@ -162,11 +171,11 @@ fn data_terms(own: &mut CrowdPhi, samples: &CrowdSamples, at: &CrowdParameters, 
         total.add(w);
     }
     for j in 0..at.count {
-        let (mu, frame, length, slope) = (&at.mu[j], &own.frames[j], &own.length[j], &own.slope[j]);
+        let (mu, frame, rest, slope) = (&at.mu[j], &own.frames[j], &own.shortfall[j], &own.slope[j]);
         let mut factors = [ZERO; MATERIALS.len()];
         for (material, factor) in factors.iter_mut().enumerate() {
             for i in 0..LANES {
-                let kappa = LaneWidth::of_length::<FMA>(MOMENTS[material] as f32 * length.0[i]).kappa;
+                let kappa = LaneWidth::of_shortfall::<FMA>(shortfall(material, rest.0[i])).kappa;
                 factor.0[i] = -0.5 * LOG2_E * kappa;
             }
         }
@@ -175,12 +184,12 @@ fn data_terms(own: &mut CrowdPhi, samples: &CrowdSamples, at: &CrowdParameters, 
         for (material, [value, dx, dy, dz]) in sums.iter().enumerate() {
             let moment = MOMENTS[material] as f32;
             for i in 0..LANES {
-                let width = LaneWidth::of_length::<FMA>(moment * length.0[i]);
+                let width = LaneWidth::of_shortfall::<FMA>(shortfall(material, rest.0[i]));
                 let scale = weights[material].0[i] * width.peak / total.0[i];
                 let value = scale * value.0[i];
                 let (dx, dy, dz) = (scale * dx.0[i], scale * dy.0[i], scale * dz.0[i]);
                 let along = |axes: &[Lanes; 3]| dx * axes[0].0[i] + dy * axes[1].0[i] + dz * axes[2].0[i];
-                let by_kappa = value * (1.0 - width.length) + along(mu);
+                let by_kappa = value * width.shortfall + along(mu);
                 part[0].0[i] += value;
                 part[1].0[i] += width.kappa * along(&frame[0]);
                 part[2].0[i] += width.kappa * along(&frame[1]);
@@ -261,6 +270,7 @@ fn pair_sums<const FMA: bool>(
     let mut sums = [ZERO; 8];
     let (mu_j, mu_k) = (at.mu[j], at.mu[k]);
     let (length_j, length_k, slope_j, slope_k) = (own.length[j], own.length[k], own.slope[j], own.slope[k]);
+    let (rest_j, rest_k) = (own.shortfall[j], own.shortfall[k]);
     let (alpha_j, alpha_k) = (at.alpha[j], at.alpha[k]);
     for (material, weight) in weights.iter().enumerate() {
         let (moment, weight) = (MOMENTS[material] as f32, *weight);
@@ -268,10 +278,11 @@ fn pair_sums<const FMA: bool>(
             let (dx, dy, dz) = (mu_j[0].0[i] - mu_k[0].0[i], mu_j[1].0[i] - mu_k[1].0[i], mu_j[2].0[i] - mu_k[2].0[i]);
             let chord = dx * dx + dy * dy + dz * dz;
             let both_used = alpha_j.0[i] > 0.0 && alpha_k.0[i] > 0.0;
-            let width = LaneWidth::of_length::<FMA>(moment * length_j.0[i] * length_k.0[i]);
+            let left = rest_j.0[i] + length_j.0[i] * rest_k.0[i];
+            let width = LaneWidth::of_shortfall::<FMA>(shortfall(material, left));
             let density = weight.0[i] * width.peak * exp_of_negative::<FMA>(-0.5 * width.kappa * chord);
             let v = if both_used { density } else { 0.0 };
-            let (kappa, inverse, off) = (width.kappa, 1.0 / width.slope, 1.0 - 0.5 * chord - width.length);
+            let (kappa, inverse, off) = (width.kappa, 1.0 / width.slope, width.shortfall - 0.5 * chord);
             let scale = moment * inverse;
             let (in_j, in_k) = (scale * length_k.0[i] * slope_j.0[i], scale * length_j.0[i] * slope_k.0[i]);
             let bend = 1.0 - width.length * width.curvature * inverse * inverse;

@@ -22,6 +22,8 @@ pub struct LaneWidth {
     pub kappa: f32,
     /// `A(K)`.
     pub length: f32,
+    /// `1 - A(K)`.
+    pub shortfall: f32,
     /// `A'(K)`.
     pub slope: f32,
     /// `A''(K)`.
@@ -31,17 +33,19 @@ pub struct LaneWidth {
 }
 
 impl LaneWidth {
-    /// Of a length between 0 and 1; to 4e-5, its first derivative to 3e-4 and its second to 3e-3.
+    /// Of `1 - A` between 0 and 1; to 4e-5, its first derivative to 3e-4 and its second to 3e-3. Lengths near 1 differ by
+    /// their rounding: what is left of 1 has the digits.
     #[inline(always)]
-    pub fn of_length<const FMA: bool>(length: f32) -> Self {
-        let shortfall = (1.0 - length).max(f32::EPSILON);
+    pub fn of_shortfall<const FMA: bool>(shortfall: f32) -> Self {
+        let shortfall = shortfall.max(f32::EPSILON);
+        let length = 1.0 - shortfall;
         let square = length * length;
         let banerjee = length * (3.0 - square) / (1.0 - square).max(f32::EPSILON);
         let wide = (banerjee * banerjee_correction::<FMA>(2.0 * square - 1.0)).max(1e-6);
         let sharp = shortfall < SHARP;
         let reciprocal = 1.0 / if sharp { shortfall } else { wide };
         let (kappa, inverse) = if sharp { (reciprocal, shortfall) } else { (wide, reciprocal) };
-        Self::new(kappa, inverse, length)
+        Self::new(kappa, inverse, length, shortfall)
     }
 
     /// Of a concentration above 0.
@@ -52,11 +56,12 @@ impl LaneWidth {
         let closed = (1.0 + e) / (1.0 - e).max(f32::EPSILON) - inverse;
         let k2 = kappa * kappa;
         let series = kappa * (1.0 / 3.0 - k2 * (1.0 / 45.0 - k2 * (2.0 / 945.0 - k2 / 4725.0)));
-        Self::new(kappa, inverse, if kappa < BROAD { series } else { closed })
+        let length = if kappa < BROAD { series } else { closed };
+        Self::new(kappa, inverse, length, if inverse < SHARP { inverse } else { 1.0 - length })
     }
 
     #[inline(always)]
-    fn new(kappa: f32, inverse: f32, length: f32) -> Self {
+    fn new(kappa: f32, inverse: f32, length: f32, shortfall: f32) -> Self {
         let sharp = inverse < SHARP;
         let slope = if sharp { inverse * inverse } else { 1.0 - length * length - 2.0 * length * inverse };
         let wide = -2.0 * (length * slope + inverse * (slope - length * inverse));
@@ -64,7 +69,8 @@ impl LaneWidth {
         let broad = kappa * (-2.0 / 15.0 + k2 * (8.0 / 189.0 - k2 * (6.0 / 675.0)));
         let middle = if kappa < BROAD { broad } else { wide };
         let curvature = if sharp { -2.0 * slope * inverse } else { middle };
-        Self { kappa, length, slope, curvature, peak: (1.0 + kappa * (1.0 + length)) / (4.0 * PI) }
+        let peak = (1.0 + kappa * (1.0 + length)) / (4.0 * PI);
+        Self { kappa, length, shortfall, slope, curvature, peak }
     }
 }
 
@@ -89,7 +95,7 @@ mod tests {
             // 1 - A^2 - 2 A / K is 1 / K^2 of what it is made of: some 1e-7 times 100.
             near("slope", kappa, (found.slope, exact.slope), 1e-4);
             if exact.length < 0.996 {
-                let found = LaneWidth::of_length::<true>(exact.length as f32);
+                let found = LaneWidth::of_shortfall::<true>((1.0 - exact.length) as f32);
                 near("kappa", kappa, (found.kappa, exact.kappa), 4e-5);
                 near("peak", kappa, (found.peak, exact.peak), 4e-5);
                 near("slope", kappa, (found.slope, exact.slope), 3e-4);
