@@ -201,13 +201,13 @@ fn read_all(files: usize, began: &mpsc::Sender<String>) {
         let mut bytes = mutate(&original.bytes, &mut Numbers((index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)));
         // One round of the formats after the other.
         let round = index / originals.len();
-        if original.name.ends_with(".png") && round % 4 > 0 {
+        if original.name.ends_with(".png") && !round.is_multiple_of(4) {
             mend_checksums(&mut bytes);
         }
         let what = format!("{}, mutation {index}", original.name);
         began.send(what.clone()).expect("somebody listens");
         let (start, region) = (Instant::now(), Region::new(ALLOCATOR));
-        let texels = read(original.name, &bytes, round % 2 == 0);
+        let texels = read(original.name, &bytes, round.is_multiple_of(2));
         whole += usize::from(texels > 0);
         let taken = region.change().bytes_allocated;
         assert!(start.elapsed() < LONGEST, "{what} took {:?}", start.elapsed());

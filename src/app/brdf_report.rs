@@ -147,7 +147,7 @@ impl BrdfReport {
         if self.following.is_due(&key) {
             self.start(session, key, wake);
         }
-        while let Some(found) = self.following.next() {
+        while let Some(found) = self.following.take() {
             match found {
                 Found::Error(error) => self.error = error,
                 Found::Shapes(shapes) => self.shapes = shapes,

@@ -18,10 +18,13 @@ const MOST_KEPT: usize = 6;
 #[derive(Clone, Default)]
 pub struct BuiltFilters {
     /// The latest asked for last.
-    kept: Arc<Mutex<Vec<(Key, Arc<dyn Filter>)>>>,
+    kept: Arc<Mutex<Vec<Kept>>>,
     /// None where the system gave none.
     pool: Arc<OnceLock<Option<ThreadPool>>>,
 }
+
+/// A filter, and what it was built from.
+type Kept = (Key, Arc<dyn Filter>);
 
 /// What a rival's filter depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -96,7 +96,7 @@ impl ErrorReport {
             self.levels = vec![None; session.map().level_sizes().len()];
             self.start(session, key, wake);
         }
-        while let Some(found) = self.following.next() {
+        while let Some(found) = self.following.take() {
             self.take(session, found);
         }
     }

@@ -72,7 +72,7 @@ fn caption(session: &Session) -> [String; 2] {
         fit.align,
         session.truth_samples
     );
-    let material = serde_json::to_value(&session.surface.material).unwrap_or_default();
+    let material = serde_json::to_value(session.surface.material).unwrap_or_default();
     [shown, words(&material)]
 }
 

@@ -101,7 +101,7 @@ pub fn significant(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
         size if value.fract() == 0.0 && size < 1e6 => format!("{value:.0}"),
-        size if size >= 1e6 || size < 5e-4 => format!("{value:.0e}"),
+        size if !(5e-4..1e6).contains(&size) => format!("{value:.0e}"),
         size if size >= 100.0 => format!("{value:.0}"),
         size if size >= 10.0 => format!("{value:.1}"),
         size if size >= 1.0 => format!("{value:.2}"),

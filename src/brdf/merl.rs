@@ -126,9 +126,9 @@ impl Merl {
     /// The file's bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(FILE_BYTES);
-        [THETA_H, THETA_D, PHI_D].iter().for_each(|&size| bytes.extend((size as i32).to_le_bytes()));
+        bytes.extend([THETA_H, THETA_D, PHI_D].into_iter().flat_map(|size| (size as i32).to_le_bytes()));
         for (plane, scale) in self.planes.iter().zip(SCALES) {
-            plane.iter().for_each(|value| bytes.extend((value / scale).to_le_bytes()));
+            bytes.extend(plane.iter().flat_map(|value| (value / scale).to_le_bytes()));
         }
         bytes
     }

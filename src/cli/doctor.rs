@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::options::{MapArguments, write_text};
 use crate::image_io::{self, RasterImage};
 use crate::normal_map::MapOptions;
-use crate::normal_map::diagnose::{Confidence, Diagnosis, Finding, LengthHistogram, Subject};
+use crate::normal_map::diagnose::{Advice, Confidence, Diagnosis, Finding, LengthHistogram, Subject};
 use crate::normal_map::procedural::{self, DEFAULT_SIZE};
 
 /// How the answer reads.
@@ -127,7 +127,7 @@ impl<'a> FindingReport<'a> {
             confidence: finding.confidence,
             doubtful: finding.doubtful,
             reason: &finding.reason,
-            option: finding.advice.map(|advice| advice.option()),
+            option: finding.advice.map(Advice::option),
         }
     }
 }

@@ -64,7 +64,8 @@ impl Difference {
     /// The differences at both ends of the scale.
     pub fn ends(self) -> [f32; 2] {
         // A session file may hold any number.
-        let range = self.range.max(Self::RANGES[0]).min(Self::RANGES[1]);
+        let [least, most] = Self::RANGES;
+        let range = if self.range.is_nan() { least } else { self.range.clamp(least, most) };
         match self.kind {
             DifferenceKind::Absolute => [0.0, range],
             DifferenceKind::Signed => [-range, range],

@@ -43,7 +43,7 @@ impl<K: PartialEq, E: Send + 'static> Following<K, E> {
         if let Some(running) = &self.running {
             running.monitor.cancel();
         }
-        while self.next().is_some() {}
+        while self.take().is_some() {}
         self.running.is_none()
     }
 
@@ -72,7 +72,7 @@ impl<K: PartialEq, E: Send + 'static> Following<K, E> {
     }
 
     /// The next thing that was found, if any.
-    pub fn next(&mut self) -> Option<E> {
+    pub fn take(&mut self) -> Option<E> {
         match self.running.as_ref()?.job.next()? {
             JobEvent::News(Some(event)) => return Some(event),
             JobEvent::News(None) => {}
@@ -112,14 +112,16 @@ mod tests {
             if following.is_due(&key) {
                 following.start("follows", (key, Vec::new()), &wake, move |send, monitor| {
                     send(key);
-                    while endless {
+                    if !endless {
+                        return Ok(());
+                    }
+                    loop {
                         monitor.check()?;
                         std::thread::yield_now();
                     }
-                    Ok(())
                 });
             }
-            if let Some(event) = following.next() {
+            if let Some(event) = following.take() {
                 return Some(event);
             }
             std::thread::sleep(Duration::from_millis(1));
@@ -134,7 +136,7 @@ mod tests {
         assert!(following.is_running() && !following.is_due(&1));
         assert_eq!(found(&mut following, 2, false), Some(2), "the first never ends by itself");
         while following.is_running() {
-            assert_eq!(following.next(), None);
+            assert_eq!(following.take(), None);
         }
         assert!(following.is_of(&2) && !following.is_due(&2));
     }

@@ -82,7 +82,9 @@ mod tests {
         let whole: f64 = grid.texels().map(|(_, angle, index)| angle * f64::from(density[index])).sum();
         assert!((whole - 1.0).abs() < 1e-6);
         let mut counts = [0.0; 32];
-        draw(grid, &density).into_iter().for_each(|direction| counts[grid.texel(direction)] += 1.0 / SAMPLES as f64);
+        for direction in draw(grid, &density) {
+            counts[grid.texel(direction)] += 1.0 / SAMPLES as f64;
+        }
         for (_, solid_angle, index) in grid.texels() {
             let expected = solid_angle * f64::from(density[index]);
             assert!((counts[index] - expected).abs() < 2e-3, "texel {index}: {} for {expected}", counts[index]);

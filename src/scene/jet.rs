@@ -78,8 +78,9 @@ mod tests {
 
     #[test]
     fn derivatives_are_those_of_finite_differences() {
-        let surfaces: [(&str, &dyn Fn(f64, f64) -> Jet); 3] =
-            [("sphere", &sphere), ("torus", &|u, t| torus([0.75, 0.35], u, t)), ("monkey saddle", &monkey_saddle)];
+        type Parametric = fn(f64, f64) -> Jet;
+        let surfaces: [(&str, Parametric); 3] =
+            [("sphere", sphere), ("torus", |u, t| torus([0.75, 0.35], u, t)), ("monkey saddle", monkey_saddle)];
         let step = 1e-5;
         for (name, surface) in surfaces {
             for (u, t) in [(0.3, 0.6), (0.71, 0.2), (0.05, 0.9)] {

@@ -339,7 +339,9 @@ mod tests {
     fn paths_are_relative_to_the_file_and_found_again_from_anywhere() {
         let folder = tempfile::tempdir().expect("a folder");
         let (maps, sessions) = (folder.path().join("maps"), folder.path().join("sessions"));
-        [&maps, &sessions].into_iter().for_each(|path| std::fs::create_dir(path).expect("a folder"));
+        for path in [&maps, &sessions] {
+            std::fs::create_dir(path).expect("a folder");
+        }
         let map = Some(MapReference::Path(maps.join("bark.png")));
         let path = sessions.join("bark.ndfi.json");
         SessionFile { map: map.clone(), ..SessionFile::default() }.write(&path).expect("written");

@@ -1,6 +1,6 @@
 //! The open map's file, looked at once a second from a job, so that a map which another program writes is offered anew.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Weak};
 use std::time::{Duration, SystemTime};
 
@@ -52,7 +52,7 @@ impl Watch {
 }
 
 /// Tells of every change, once it has lasted from one look to the next: a file is not read while it is written.
-fn look(path: &PathBuf, interval: Duration, first: Stamp, living: &Weak<()>, outbox: &Outbox<()>) {
+fn look(path: &Path, interval: Duration, first: Stamp, living: &Weak<()>, outbox: &Outbox<()>) {
     let (mut known, mut before) = (first, first);
     loop {
         std::thread::sleep(interval);

@@ -148,7 +148,7 @@ pub fn pressed(ctx: &Context, facts: &Facts<'_>) -> Vec<Command> {
         return Vec::new();
     }
     let typing = ctx.text_edit_focused();
-    let focused = ctx.memory(|memory| memory.focused()).is_some();
+    let focused = ctx.memory(egui::Memory::focused).is_some();
     let is_pressed = |action: &&Action| {
         let taken = |key: &KeyboardShortcut| typing && belongs_to_text(key) || focused && moves_about(key.logical_key);
         let keys = action.keys.iter().filter(|key| !taken(key));

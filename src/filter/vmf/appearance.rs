@@ -72,10 +72,10 @@ pub fn fit_crowd(
         run(samples, &mut lobes, iterations);
         crowd_gauss_newton::refine(samples, &mut lobes, steps, &searched);
         let outcome = run(samples, &mut lobes, [0; LANES]);
-        for lane in 0..footprints.len() {
+        for (lane, &iterations) in iterations.iter().enumerate().take(footprints.len()) {
             let lobes = lobes.texel(lane, outcome.total[lane]).settled(settings.kappa);
             let mean_log_likelihood = f64::from(outcome.mean_log_likelihood[lane]);
-            keep(lane, &TexelFit { lobes, mean_log_likelihood, iterations: iterations[lane] });
+            keep(lane, &TexelFit { lobes, mean_log_likelihood, iterations });
         }
         footprints.iter().map(Footprint::len).sum()
     })

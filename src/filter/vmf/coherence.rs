@@ -91,8 +91,9 @@ pub fn texel_coherence_deg(lobes: &LobePyramid, texel: Texel) -> Option<f64> {
         let (Some(x), Some(y)) = (x, neighbour(texel.y, dy, height, addressing)) else { continue };
         let (first, theirs) = slots(lobes, Texel { x, y, ..texel })?;
         for (index, lobe) in own.1.iter().enumerate() {
-            let slot = (own.0 + index).checked_sub(first).and_then(|slot| theirs.get(slot));
-            slot.into_iter().for_each(|other| add_angle(&mut sums, lobe, other));
+            if let Some(other) = (own.0 + index).checked_sub(first).and_then(|slot| theirs.get(slot)) {
+                add_angle(&mut sums, lobe, other);
+            }
         }
     }
     Some(if sums.1 > 0.0 { (sums.0 / sums.1).to_degrees() } else { 0.0 })

@@ -1,8 +1,6 @@
 //! Phi and the equations of its Gauss-Newton steps for a crowd, a texel a lane: what [`super::phi`] and
 //! [`super::gauss_newton`] work out for one texel, in single precision. The formulas are theirs.
 
-#![expect(clippy::needless_range_loop, reason = "lanes of several arrays are walked by one index, which vectorises")]
-
 use std::f32::consts::LOG2_E;
 
 use multiversion::multiversion;

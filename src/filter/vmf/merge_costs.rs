@@ -1,7 +1,5 @@
 //! What merging one lobe with each of many would cost: the criteria of [`super::merge`] on lanes, a partner a lane.
 
-#![expect(clippy::needless_range_loop, reason = "lanes of several arrays are walked by one index, which vectorises")]
-
 use std::f32::consts::{PI, TAU};
 use std::ops::Range;
 

@@ -216,9 +216,12 @@ impl Pass<'_> {
             let addressing = self.map.options.addressing;
             let (around, count, total) = neighbours(size, texel, addressing);
             let share = self.share / (1.0 + total);
-            around[..count].iter().for_each(|&(texel, weight)| add(previous, texel, share * weight));
-            let taps = coarse_taps(self.coarse, size, texel, addressing);
-            taps.iter().for_each(|&(texel, weight)| add(self.coarse, texel, share * weight));
+            for &(texel, weight) in &around[..count] {
+                add(previous, texel, share * weight);
+            }
+            for &(texel, weight) in &coarse_taps(self.coarse, size, texel, addressing) {
+                add(self.coarse, texel, share * weight);
+            }
         }
         blended
     }

@@ -53,7 +53,9 @@ impl TexelRow {
     pub fn read_normals(&mut self, map: &NormalMap, y: usize) {
         let stride = Self::stride(self.size.0);
         let mut normals = std::mem::take(&mut self.normals);
-        normals.iter_mut().for_each(|column| column.fill(0.0));
+        for column in &mut normals {
+            column.fill(0.0);
+        }
         for x in 0..self.size.0 {
             let footprint = Footprint::new((map.width, map.height), self.size, (x, y));
             let mut total = 0.0;

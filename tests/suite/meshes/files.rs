@@ -54,8 +54,8 @@ impl Roof {
 
     /// The buffer of a glTF file: positions, normals, texture coordinates, indices.
     pub fn buffer(&self) -> Vec<u8> {
-        let vectors = self.positions.iter().chain(&self.normals).flat_map(|v| v.to_array());
-        let uvs = self.uvs.iter().flat_map(|uv| uv.to_array());
+        let vectors = self.positions.iter().chain(&self.normals).flat_map(glam::Vec3::to_array);
+        let uvs = self.uvs.iter().flat_map(glam::Vec2::to_array);
         let floats = vectors.chain(uvs).flat_map(f32::to_le_bytes);
         floats.chain(self.triangles.iter().flatten().flat_map(|index| index.to_le_bytes())).collect()
     }

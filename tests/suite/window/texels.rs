@@ -108,7 +108,9 @@ fn what_is_not_fitted_or_not_valid_is_on_no_scale() {
         assert_eq!(values.color(texel("3,0,0")), egui::Color32::from_rgb(r, g, b));
     }
     let mut map = (**unfitted.map()).clone();
-    [&mut map.x, &mut map.y, &mut map.z].into_iter().for_each(|component| component[5] = 0.0);
+    for component in [&mut map.x, &mut map.y, &mut map.z] {
+        component[5] = 0.0;
+    }
     unfitted = Session::with_map(map, unheard());
     for shading in [MapShading::Normal, MapShading::Slope, MapShading::Length] {
         let values = TexelValues::new(&unfitted, &report, shading);
