@@ -68,8 +68,7 @@ fn number(value: f64) -> String {
 /// The selected level, or all of them, zoomed and panned.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     beside(ui, context);
-    // Not focusable: arrow keys move the selection while nothing has the focus.
-    let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::CLICK | Sense::DRAG);
+    let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     let response = response.accessible_name("Map view");
     let level = context.session.selected().level;
     let view = rect.shrink(12.0);
