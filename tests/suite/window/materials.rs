@@ -56,5 +56,6 @@ fn a_measured_file_becomes_the_material_and_a_bad_one_leaves_it() {
         assert_eq!(window.state().inspector.session.surface.material.model, Model::Measured);
         assert!(window.query_by_label_contains("good.binary: f(theta_h) g(theta_d) leaves 0.0").is_some());
     }
-    assert!(window.query_by_label_contains("should begin with the sizes").is_some());
+    let told = |window: &Window| window.query_by_label_contains("should begin with the sizes").is_some();
+    step_until(&mut window, "the sentence", told);
 }

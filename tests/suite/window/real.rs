@@ -88,8 +88,9 @@ impl Screen {
 
     fn drag(&self, from: Pos2, dx: f32) {
         let (x, middle, end, y) = (from.x, from.x + 0.5 * dx, from.x + dx, from.y);
-        let moves = format!("mousemove {middle} {y} sleep 0.2 mousemove {end} {y} sleep 0.2");
-        self.xdotool(&format!("mousemove {x} {y} sleep 0.2 mousedown 1 sleep 0.2 {moves} mouseup 1"));
+        // Software adapters draw a frame in half a second on a busy machine, and a drag is what several frames see.
+        let moves = format!("mousemove {middle} {y} sleep 1 mousemove {end} {y} sleep 1");
+        self.xdotool(&format!("mousemove {x} {y} sleep 1 mousedown 1 sleep 1 {moves} mouseup 1"));
     }
 
     /// What the window keeps for its next start.
