@@ -54,7 +54,7 @@ pub struct Part {
     radiance: DVec3,
 }
 
-/// The sky averaged down to [`ROWS`] rows.
+/// The sky averaged down to `ROWS` rows.
 pub fn parts(grid: LatLong, radiance: &[Vec3]) -> Vec<Part> {
     let radiance = reduced(radiance.to_vec(), grid.width, grid.height.div_ceil(ROWS));
     let height = ((radiance.len() / 2) as f64).sqrt() as usize;
