@@ -111,6 +111,8 @@ fn a_method_alone_has_figures_until_they_are_hidden() {
     let label = |window: &Window| window.query_by_label_contains("Figures of plain mip").is_some();
     assert!(label(&window) && first.normalised_color_error > Some(0.0), "{first:?}");
     window.state_mut().inspector.session.surface.material.shininess = 10.0;
+    // The next picture is to be of this material, not of what the window had before.
+    window.run();
     settle(&mut window);
     assert_ne!(figures(&window, Method::MIP), first, "figures of another material");
     let button = window.get_by_label("Figures").rect().center();
