@@ -3,9 +3,10 @@
 //! Curves look as their methods do everywhere. The key stands right of them, in the order in which they end.
 
 use egui::{Align2, Color32, RichText, Ui, vec2};
-use egui_plot::{FilledArea, GridMark, HoverPosition, Plot, PlotBounds, PlotPoint, PlotUi, Text};
+use egui_plot::{FilledArea, GridMark, HoverPosition, PlotBounds, PlotPoint, PlotUi, Text};
 
 use super::method_style::MethodStyle;
+use super::panels::small_plot;
 use super::theme;
 use crate::filter::Method;
 use crate::measure::{Metric, SweepRun};
@@ -88,13 +89,7 @@ impl FiguresPlot {
         let room = vec2(ui.available_width() - AXES[0], height - AXES[1]).max(vec2(KEY_WIDTH + 80.0, 40.0));
         let bounds = self.bounds(room);
         let (ticks, is_logarithmic, label) = (self.ticks(), self.is_logarithmic, self.labels[0]);
-        Plot::new("figures")
-            .height(height)
-            .allow_scroll(false)
-            .allow_zoom(false)
-            .allow_drag(false)
-            .allow_boxed_zoom(false)
-            .allow_double_click_reset(false)
+        small_plot::still("figures", height)
             .x_axis_label(RichText::new(self.labels[0]).small())
             .y_axis_label(RichText::new(self.labels[1]).small())
             .x_grid_spacer(move |_| ticks.clone())

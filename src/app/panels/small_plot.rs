@@ -8,6 +8,11 @@ const NUMBER_ROOM: Rangef = Rangef { min: 14.0, max: 30.0 };
 
 /// A plot of this height between two axes made by [`x_axis`] and [`y_axis`].
 pub fn new<'a>(name: &str, height: f32, x_axis: AxisHints<'a>, y_axis: AxisHints<'a>) -> Plot<'a> {
+    still(name, height).custom_x_axes(vec![x_axis]).custom_y_axes(vec![y_axis])
+}
+
+/// A plot of this height that stays as it is: the pointer neither drags nor zooms it.
+pub fn still<'a>(name: &str, height: f32) -> Plot<'a> {
     Plot::new(name)
         .height(height)
         .allow_scroll(false)
@@ -15,8 +20,6 @@ pub fn new<'a>(name: &str, height: f32, x_axis: AxisHints<'a>, y_axis: AxisHints
         .allow_drag(false)
         .allow_boxed_zoom(false)
         .allow_double_click_reset(false)
-        .custom_x_axes(vec![x_axis])
-        .custom_y_axes(vec![y_axis])
 }
 
 /// An axis below the plot.
