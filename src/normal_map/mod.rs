@@ -7,6 +7,7 @@ pub mod albedo;
 pub mod decode;
 pub mod diagnose;
 pub mod height;
+pub mod pose;
 pub mod procedural;
 pub mod pyramid;
 

@@ -9,24 +9,27 @@ use rayon::prelude::*;
 
 use super::fit::FitSettings;
 use super::monitor::Monitor;
-use super::pyramid::{LobePyramid, MixtureLevel};
+use super::pyramid::{LobePyramid, MixtureLevel, turn};
 use super::unaligned;
 use crate::normal_map::NormalMap;
+use crate::normal_map::pose::Pose;
 use crate::normal_map::pyramid::{Footprint, Span, Texel};
 use crate::sphere::StoredLobe;
 
 /// The largest footprint, base texels, that is fitted ahead: a tenth of a second's work.
 const MOST_NORMALS: usize = 1 << 14;
 
-/// The texel's own lobes; `None` for a base texel and for one that would take long.
-pub fn fit(map: &Arc<NormalMap>, texel: Texel, settings: &FitSettings) -> Option<Vec<StoredLobe>> {
+/// The texel's own lobes, taken in a pose of the map; `None` for a base texel and for one that would take long.
+pub fn fit(map: &Arc<NormalMap>, pose: Pose, texel: Texel, settings: &FitSettings) -> Option<Vec<StoredLobe>> {
+    let texel = pose.texel(*map.level_sizes().get(texel.level)?, texel);
+    let map = pose.map(map);
     let sizes = map.level_sizes();
     let size = *sizes.get(texel.level).filter(|_| texel.level > 0)?;
     if Footprint::new(sizes[0], size, (texel.x, texel.y)).len() > MOST_NORMALS {
         return None;
     }
     let monitor = Monitor::new(vec![0; sizes.len()]);
-    let mut lobes = LobePyramid::unfitted(Arc::clone(map));
+    let mut lobes = LobePyramid::unfitted(map);
     for (level, columns, rows) in under(&sizes, texel) {
         let mut mixtures = MixtureLevel::empty(sizes[level], settings.lobes);
         let width = mixtures.width;
@@ -42,7 +45,9 @@ pub fn fit(map: &Arc<NormalMap>, texel: Texel, settings: &FitSettings) -> Option
         }
         lobes.coarse[level - 1] = Some(Arc::new(mixtures));
     }
-    Some(lobes.level(texel.level)?.texel(texel.x, texel.y).to_vec())
+    let mut stored = lobes.level(texel.level)?.texel(texel.x, texel.y).to_vec();
+    turn(&mut stored, pose.inverse());
+    Some(stored)
 }
 
 type Range = std::ops::Range<usize>;
@@ -75,7 +80,7 @@ mod tests {
             let settings = FitSettings { lobes: 4, align: Alignment::None, ..FitSettings::default() };
             let monitor = Monitor::new(expected_visits(&map, &settings));
             let all = fit_all(&map, &settings, &monitor, &mut |_| {}).expect("nobody cancels");
-            let alone = fit(&map, texel, &settings).expect("small");
+            let alone = fit(&map, Pose::canonical(&map), texel, &settings).expect("small");
             assert_eq!(alone, all.level(texel.level).expect("fitted").texel(texel.x, texel.y));
         }
     }

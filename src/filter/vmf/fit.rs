@@ -16,6 +16,7 @@ use super::pyramid::{BaseSlots, LobePyramid, MixtureLevel};
 use super::selection::{self, Selection};
 use super::{base_slots, between, first, grow, scanline, smooth, unaligned};
 use crate::normal_map::NormalMap;
+use crate::normal_map::pose::Pose;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::StoredLobe;
 use crate::sphere::mixture::MAX_LOBES;
@@ -191,9 +192,10 @@ pub fn fit_from(
     report: &mut dyn FnMut(FitEvent),
 ) -> Result<LobePyramid, Cancelled> {
     let mut lobes = LobePyramid::unfitted(Arc::clone(map));
+    let mut posed = Posed::new(map, Pose::canonical(map));
     let aligns = settings.align != Alignment::None;
     if let Some(texel) = start.first.filter(|texel| texel.level > start.own.len())
-        && let Some(stored) = first::fit(map, texel, settings)
+        && let Some(stored) = first::fit(map, posed.pose, texel, settings)
     {
         report(FitEvent::First { texel, stored });
     }
@@ -203,22 +205,34 @@ pub fn fit_from(
         let (mixtures, stats) = match (start.own.get(level - 1), start.fewer.get(level - 1)) {
             (Some((mixtures, stats)), _) => {
                 monitor.visited(level, (map.len() * unaligned::most_passes(settings)) as u64);
+                // The last of them has a level to seed.
+                if level == start.own.len() {
+                    posed.take(level, mixtures);
+                }
                 (Arc::clone(mixtures), *stats)
             }
             (None, fewer) => {
                 let timed = std::time::Instant::now();
                 let (mixtures, stats) = match fewer {
-                    Some((fewer, _)) => grow::fit_level(map, fewer, level, settings, monitor)?,
-                    None => unaligned::fit_level(&lobes, level, settings, monitor)?,
+                    Some((fewer, _)) => {
+                        grow::fit_level(&posed.lobes.map, &fewer.posed(posed.pose), level, settings, monitor)?
+                    }
+                    None => unaligned::fit_level(&posed.lobes, level, settings, monitor)?,
                 };
-                (Arc::new(mixtures), LevelStats { seconds: timed.elapsed().as_secs_f64(), ..stats })
+                let mixtures = posed.put(level, mixtures);
+                // It has seeded the next.
+                posed.forget(level - 1);
+                (mixtures, LevelStats { seconds: timed.elapsed().as_secs_f64(), ..stats })
             }
         };
         own.push(stats);
         keep(&mut lobes, level, mixtures, stats, if aligns { Stage::Own } else { Stage::Done }, report);
     }
+    // An alignment row by row is at home in the map as it lies.
+    let pose = if settings.align.pull().is_none() { posed.pose } else { Pose::IDENTITY };
+    drop(posed);
     if aligns {
-        align(&mut lobes, settings, &own, monitor, report)?;
+        align(&mut lobes, pose, settings, &own, monitor, report)?;
     }
     color::fit_levels(&mut lobes, settings.kappa, monitor, &mut |level, colors| {
         report(FitEvent::Color { level, colors: Arc::clone(colors) });
@@ -230,9 +244,41 @@ pub fn fit_from(
     Ok(lobes)
 }
 
+/// Levels in the pose in which they are fitted: how a map lies decides nothing.
+struct Posed {
+    pose: Pose,
+    lobes: LobePyramid,
+}
+
+impl Posed {
+    fn new(map: &Arc<NormalMap>, pose: Pose) -> Self {
+        Self { pose, lobes: LobePyramid::unfitted(pose.map(map)) }
+    }
+
+    /// Takes in a level as the map lies.
+    fn take(&mut self, level: usize, mixtures: &Arc<MixtureLevel>) {
+        self.lobes.coarse[level - 1] = Some(mixtures.posed(self.pose));
+    }
+
+    /// Keeps a level of this pose; returns it as the map lies.
+    fn put(&mut self, level: usize, mixtures: MixtureLevel) -> Arc<MixtureLevel> {
+        let mixtures = Arc::new(mixtures);
+        self.lobes.coarse[level - 1] = Some(Arc::clone(&mixtures));
+        mixtures.posed(self.pose.inverse())
+    }
+
+    /// Lets go of a level.
+    fn forget(&mut self, level: usize) {
+        if level > 0 {
+            self.lobes.coarse[level - 1] = None;
+        }
+    }
+}
+
 /// Replaces each texel's own lobes by aligned ones, from the coarsest level down.
 fn align(
     lobes: &mut LobePyramid,
+    pose: Pose,
     settings: &FitSettings,
     own: &[LevelStats],
     monitor: &Monitor,
@@ -242,7 +288,8 @@ fn align(
     let slots = if selects { selection::slots(lobes) } else { settings.lobes };
     let aligned = FitSettings { lobes: slots, selection: Selection::Fixed, ..*settings };
     let top = lobes.levels() - 1;
-    let map = Arc::clone(&lobes.map);
+    let mut posed = Posed::new(&lobes.map, pose);
+    let map = Arc::clone(&posed.lobes.map);
     let looks = if between::refines(&aligned) { Some(Looks::new(&map, monitor)?) } else { None };
     // By level, for the lobes that are kept at last.
     let mut seconds = vec![0.0; lobes.levels()];
@@ -251,12 +298,18 @@ fn align(
     match lobes.level(top).cloned() {
         // Every slot below descends from one of the top, so the top has to fill them all.
         Some(_) if selects => {
-            let (mixtures, mut stats) = unaligned::fit_level(lobes, top, &aligned, monitor)?;
+            if let Some(seeds) = lobes.level(top - 1) {
+                posed.take(top - 1, seeds);
+            }
+            let (mixtures, mut stats) = unaligned::fit_level(&posed.lobes, top, &aligned, monitor)?;
             stats.seconds = timed.elapsed().as_secs_f64();
             seconds[top] = stats.seconds;
-            keep(lobes, top, Arc::new(mixtures), stats, Stage::Aligned, report);
+            keep(lobes, top, posed.put(top, mixtures), stats, Stage::Aligned, report);
         }
-        Some(mixtures) => keep(lobes, top, mixtures, own[top], Stage::Done, report),
+        Some(mixtures) => {
+            posed.take(top, &mixtures);
+            keep(lobes, top, mixtures, own[top], Stage::Done, report);
+        }
         None => {}
     }
     for level in (1..top).rev() {
@@ -264,26 +317,33 @@ fn align(
         // The aligned fit starts from the coarser level; this one's own lobes only take room.
         lobes.coarse[level - 1] = None;
         let (mixtures, mut stats) = match (settings.align, settings.align.pull()) {
-            (_, Some(pull)) => scanline::fit_level(lobes, level, pull, &aligned, monitor)?,
-            (Alignment::Smooth { blend }, _) => smoothed(lobes, level, blend, looks.as_ref(), &aligned, monitor)?,
+            (_, Some(pull)) => scanline::fit_level(&posed.lobes, level, pull, &aligned, monitor)?,
+            (Alignment::Smooth { blend }, _) => {
+                smoothed(&posed.lobes, level, blend, looks.as_ref(), &aligned, monitor)?
+            }
             (Alignment::None | Alignment::Paper { .. } | Alignment::Map { .. }, None) => break,
         };
         stats.seconds = timed.elapsed().as_secs_f64();
         seconds[level] = stats.seconds;
         stats.log_likelihood_lost = own[level].mean_log_likelihood - stats.mean_log_likelihood;
         let stage = if selects { Stage::Aligned } else { Stage::Done };
-        keep(lobes, level, Arc::new(mixtures), stats, stage, report);
+        keep(lobes, level, posed.put(level, mixtures), stats, stage, report);
+        if !selects {
+            posed.forget(level + 1);
+        }
     }
     if let Selection::BrdfError { percent } = settings.selection {
-        selection::prune_levels(lobes, f64::from(percent) / 100.0, monitor)?;
+        lobes.coarse.fill(None);
+        selection::prune_levels(&mut posed.lobes, f64::from(percent) / 100.0, monitor)?;
     }
     if selects {
         for (level, own) in own.iter().enumerate().skip(1) {
-            let Some(mixtures) = lobes.coarse[level - 1].take() else { continue };
-            let mut stats = smooth::stats(&lobes.map, &mixtures, &aligned, monitor)?;
+            let Some(mixtures) = posed.lobes.coarse[level - 1].take() else { continue };
+            let mut stats = smooth::stats(&map, &mixtures, &aligned, monitor)?;
             stats.seconds = seconds[level];
             stats.log_likelihood_lost = own.mean_log_likelihood - stats.mean_log_likelihood;
-            keep(lobes, level, Arc::new(Arc::unwrap_or_clone(mixtures).trimmed()), stats, Stage::Done, report);
+            let mixtures = Arc::new(Arc::unwrap_or_clone(mixtures).trimmed());
+            keep(lobes, level, mixtures.posed(pose.inverse()), stats, Stage::Done, report);
         }
     }
     Ok(())

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Vec3, Vec4, Vec4Swizzles};
+use rayon::prelude::*;
 
 use super::color::ColorLevel;
 use crate::normal_map::NormalMap;
+use crate::normal_map::pose::Pose;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES, used};
 use crate::sphere::{Mixture, StoredLobe};
@@ -53,10 +55,35 @@ impl MixtureLevel {
         Self { lobes, stored, ..self }
     }
 
+    /// The level in another pose.
+    pub fn posed(self: &Arc<Self>, pose: Pose) -> Arc<Self> {
+        if pose == Pose::IDENTITY {
+            return Arc::clone(self);
+        }
+        let size = (self.width, self.height);
+        let mut posed = Self::empty(pose.size(size), self.lobes);
+        let width = posed.width;
+        posed.stored.par_chunks_mut(width * self.lobes).enumerate().for_each(|(row, target)| {
+            for (column, target) in target.chunks_exact_mut(self.lobes).enumerate() {
+                let (x, y) = pose.source(size, (column, row));
+                target.copy_from_slice(self.texel(x, y));
+                turn(target, pose);
+            }
+        });
+        Arc::new(posed)
+    }
+
     /// The slots of texel `(x, y)`.
     pub fn texel(&self, x: usize, y: usize) -> &[StoredLobe] {
         let start = (y * self.width + x) * self.lobes;
         &self.stored[start..start + self.lobes]
+    }
+}
+
+/// Turns the directions of a texel's lobes.
+pub fn turn(stored: &mut [StoredLobe], pose: Pose) {
+    for lobe in stored {
+        *lobe = pose.vector(Vec4::from(*lobe).yzw()).extend(lobe[0]).wxyz().to_array();
     }
 }
 
@@ -86,6 +113,12 @@ impl LobePyramid {
     pub fn unfitted(map: Arc<NormalMap>) -> Self {
         let levels = map.level_sizes().len();
         Self { map, base: None, coarse: vec![None; levels - 1], colors: vec![None; levels - 1] }
+    }
+
+    /// The map and the levels above its base in another pose; colours and slots stay behind.
+    pub fn posed(&self, pose: Pose) -> Self {
+        let coarse = self.coarse.iter().map(|level| level.as_ref().map(|level| level.posed(pose))).collect();
+        Self { coarse, ..Self::unfitted(pose.map(&self.map)) }
     }
 
     /// Number of levels, the base counted.

@@ -7,6 +7,7 @@ use super::em::TexelLobes;
 use super::fit::FitSettings;
 use super::pyramid::LobePyramid;
 use super::{scanline, smooth, unaligned};
+use crate::normal_map::pose::Pose;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::mixture::EMPTY_WEIGHT;
 use crate::sphere::vmf::{self, KAPPA_MAX};
@@ -36,13 +37,16 @@ pub struct Trace {
 
 /// Runs the texel's fit again and watches it; `None` for a base texel and for a level that is not fitted.
 pub fn trace(lobes: &LobePyramid, texel: Texel, settings: &FitSettings) -> Option<Trace> {
-    let place = (texel.x, texel.y);
     let stored = lobes.level(texel.level)?.texel(texel.x, texel.y);
+    // As it was fitted.
+    let pose = if settings.align.pull().is_none() { Pose::canonical(&lobes.map) } else { Pose::IDENTITY };
+    let texel = pose.texel(lobes.map.level_size(texel.level), texel);
+    let lobes = &lobes.posed(pose);
     let top = texel.level + 1 == lobes.levels();
     let runs = match settings.align {
         Alignment::Smooth { blend } if !top => vec![smooth::trace_texel(lobes, texel, blend, settings)?],
         Alignment::Paper { .. } | Alignment::Map { .. } if !top => vec![scanline::trace_texel(lobes, texel, settings)?],
-        _ => unaligned::trace_texel(lobes, texel.level, place, settings).1,
+        _ => unaligned::trace_texel(lobes, texel.level, (texel.x, texel.y), settings).1,
     };
     let fit = TexelLobes::from_stored(stored);
     let used = |&j: &usize| fit.alpha[j] > f64::from(EMPTY_WEIGHT);
