@@ -22,6 +22,12 @@ pub struct LookArguments {
     /// The material's BRDF: lambert, blinn-phong:S, torrance-sparrow:SIGMA, ggx:ALPHA or merl:FILE.
     #[arg(long, value_name = "BRDF")]
     pub brdf: Option<BrdfArgument>,
+    /// Specular strength Ks.
+    #[arg(long, value_name = "KS", value_parser = parse_strength)]
+    pub ks: Option<f32>,
+    /// Diffuse strength Kd.
+    #[arg(long, value_name = "KD", value_parser = parse_strength)]
+    pub kd: Option<f32>,
     /// Strength of Schlick's Fresnel factor, 1 - F0: from 0, none, to 1.
     #[arg(long, value_name = "STRENGTH", value_parser = parse_fresnel)]
     pub fresnel: Option<f32>,
@@ -112,6 +118,11 @@ fn parse_pair(text: &str) -> Option<[f32; 2]> {
     Some([first.trim().parse().ok()?, second.trim().parse().ok()?])
 }
 
+fn parse_strength(text: &str) -> Result<f32, String> {
+    let strength = text.parse().ok().filter(|strength| (0.0..=100.0).contains(strength));
+    strength.ok_or_else(|| "write a strength from 0 to 100".to_owned())
+}
+
 fn parse_tiling(text: &str) -> Result<[f32; 2], String> {
     let pair = text.parse().ok().map(|both| [both; 2]).or_else(|| parse_pair(text));
     let pair = pair.filter(|pair| pair.iter().all(|repeats| repeats.is_finite() && *repeats > 0.0));
@@ -153,6 +164,8 @@ impl LookArguments {
         if let Some(brdf) = &self.brdf {
             material.set_brdf(brdf.read()?);
         }
+        material.specular = self.ks.unwrap_or(material.specular);
+        material.diffuse = self.kd.unwrap_or(material.diffuse);
         material.fresnel = self.fresnel.unwrap_or(material.fresnel);
         material.convolution = self.convolution.map_or(material.convolution, Convolution::rule);
         material.diffuse_rule = self.diffuse.map_or(material.diffuse_rule, Diffuse::rule);

@@ -270,7 +270,12 @@ impl Decoder {
 
     /// A stored value as a component from -1 to 1.
     fn component(&self, stored: f64) -> f64 {
-        if self.is_signed() { stored } else { 2.0 * self.linear(stored) - 1.0 }
+        match self.range {
+            Range::Signed => stored,
+            // To the bit the negative of what the opposite value gives: a mirrored map is one.
+            Range::Integer(full_scale) if !self.srgb => (2.0 * stored - full_scale) / full_scale,
+            Range::Integer(_) | Range::Unsigned => 2.0 * self.linear(stored) - 1.0,
+        }
     }
 
     /// A stored value from 0 to 1, freed of the sRGB curve where it was encoded with it.

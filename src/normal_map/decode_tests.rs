@@ -158,3 +158,14 @@ fn the_green_convention_is_found_by_the_curl_of_the_slopes() {
         assert_eq!((down.options.green, &down.y), (GreenChannel::Down, &map.y), "{}", sample.name);
     }
 }
+
+#[test]
+fn opposite_values_are_opposite_components_to_the_bit() {
+    let of = |values: Vec<u8>| plain(rgb8(1, &values));
+    let straight = of((1..=254).flat_map(|c| [c, 255 - c / 2, 200]).collect());
+    let opposite = of((1..=254).flat_map(|c| [255 - c, c / 2, 200]).collect());
+    let negative = |values: &[f32]| values.iter().map(|value| -value).collect::<Vec<f32>>();
+    assert_eq!(opposite.x, negative(&straight.x));
+    assert_eq!(opposite.y, negative(&straight.y));
+    assert_eq!(opposite.z, straight.z);
+}

@@ -1,5 +1,7 @@
 //! The fit as the window sees it: the lobes at hand, what they are worth, and the job that betters them.
 
+mod alignment_figures;
+
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -9,10 +11,10 @@ use super::kept::{self, KeptFits};
 use crate::export::lobes_exr::FittedLobes;
 use crate::filter::vmf::fit::{self, FitEvent, FitSettings, LevelStats, OwnLevels, Stage, Start};
 use crate::filter::vmf::{
-    Alignment, Cancelled, Coherence, Fold, LobePyramid, MixtureLevel, Monitor, Objective, Selection, coherence, fold,
+    Alignment, Cancelled, Coherence, Fold, LobePyramid, MixtureLevel, Monitor, Objective, Selection, fold,
 };
 use crate::image_io::memory;
-use crate::jobs::{self, Ended, Job, JobEvent, Outbox, Wake};
+use crate::jobs::{self, Ended, Job, JobEvent, Wake};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::StoredLobe;
@@ -302,63 +304,6 @@ impl Fitting {
     fn expected_bytes(&self) -> u64 {
         let texels: usize = self.map.level_sizes().iter().skip(1).map(|(width, height)| width * height).sum();
         (2 * texels * self.settings.lobes * size_of::<StoredLobe>()) as u64
-    }
-
-    /// Measures what the alignment of every finished level is worth; waits.
-    pub fn measure_coherence(&mut self) {
-        for (level, fit) in self.levels.iter_mut().enumerate() {
-            if let (LevelState::Done, Some(stats)) = (fit.state, &mut fit.stats) {
-                stats.coherence = coherence::measure(&self.lobes, level);
-            }
-        }
-    }
-
-    /// Starts to measure what the alignment of a finished fit is worth, where that is not known and somebody looks.
-    pub fn measure(&mut self, wake: &Wake) {
-        let unknown = |fit: &LevelFit| fit.stats.is_some_and(|stats| stats.coherence.is_none());
-        if !self.previews || self.measuring.is_some() || !self.is_complete() || !self.levels.iter().any(unknown) {
-            return;
-        }
-        let (lobes, pool) = (Arc::clone(&self.lobes), self.pool.clone());
-        let missing: Vec<usize> = (1..self.levels.len()).filter(|&level| unknown(&self.levels[level])).collect();
-        let work = move |outbox: &Outbox<(usize, Coherence)>| {
-            for level in missing {
-                let measure = || coherence::measure(&lobes, level);
-                let figures = pool.as_ref().map_or_else(measure, |pool| pool.install(measure));
-                outbox.send((level, figures.unwrap_or_default()));
-            }
-        };
-        match Job::spawn("measure-alignment", Arc::clone(wake), work) {
-            Ok(job) => self.measuring = Some(job),
-            Err(error) => log::warn!("the alignment cannot be measured: {error}"),
-        }
-    }
-
-    /// True while figures of a finished fit are on their way.
-    pub fn is_measuring(&self) -> bool {
-        self.measuring.is_some()
-    }
-
-    fn take_figures(&mut self) -> bool {
-        let mut changed = false;
-        while let Some(event) = self.measuring.as_ref().and_then(Job::next) {
-            changed = true;
-            match event {
-                JobEvent::News((level, figures)) => {
-                    if let Some(stats) = &mut self.levels[level].stats {
-                        stats.coherence = Some(figures);
-                    }
-                }
-                JobEvent::Panicked(text) => {
-                    log::warn!("the alignment was not measured: {text}");
-                    self.measuring = None;
-                }
-            }
-        }
-        if self.levels.iter().all(|fit| fit.stats.is_none_or(|stats| stats.coherence.is_some())) {
-            self.measuring = None;
-        }
-        changed
     }
 
     /// Stops the job; the levels that are done stay.
