@@ -77,7 +77,7 @@ pub struct CompareCommand {
     /// Write the figures as comma-separated values to FILE, - for standard output.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Write a contact sheet as PNG to FILE, - for standard output: a row for each cell, the truth first, each picture
+    /// Write a contact sheet as PNG to FILE, - for standard output: a block for each cell, the truth first, each picture
     /// with its method and colour error.
     #[arg(long, value_name = "FILE")]
     pub sheet: Option<PathBuf>,

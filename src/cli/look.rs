@@ -208,3 +208,33 @@ impl LookArguments {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Command {
+        #[command(flatten)]
+        look: LookArguments,
+    }
+
+    fn look(arguments: &[&str]) -> Result<LookArguments, clap::Error> {
+        Command::try_parse_from([&["command"], arguments].concat()).map(|command| command.look)
+    }
+
+    #[test]
+    fn the_strengths_are_the_materials() {
+        let mut surface = LitSurface::default();
+        let plain = surface.material;
+        look(&["--ks", "0.4"]).expect("an option").apply_to(&mut surface, None).expect("applies");
+        assert_eq!((surface.material.specular, surface.material.diffuse), (0.4, plain.diffuse));
+        look(&["--kd", "0"]).expect("an option").apply_to(&mut surface, None).expect("applies");
+        assert_eq!((surface.material.specular, surface.material.diffuse), (0.4, 0.0));
+        for wrong in ["-1", "101", "nan", "much"] {
+            assert!(look(&["--ks", wrong]).is_err() && look(&["--kd", wrong]).is_err(), "{wrong}");
+        }
+    }
+}

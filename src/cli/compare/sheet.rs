@@ -1,4 +1,4 @@
-//! The contact sheet: a row for each cell, the truth first, each picture labelled by its method and figure. Drawn as
+//! The contact sheet: a block for each cell, the truth first, each picture labelled by its method and figure. Drawn as
 //! the window is, for its letters.
 
 use egui::{Align2, Color32, ColorImage, FontId, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2, vec2};
@@ -27,6 +27,8 @@ const LETTERS: f32 = 13.0;
 const BACKGROUND: Color32 = Color32::from_gray(24);
 /// The letters' colour.
 const INK: Color32 = Color32::from_gray(230);
+/// Most pictures side by side: a cell's others go on below.
+const MOST_COLUMNS: usize = 5;
 /// Narrowest picture that is still worth drawing.
 const LEAST_WIDTH: f32 = 16.0;
 
@@ -60,8 +62,9 @@ impl Layout {
         vec2(self.picture.x + GAP, self.picture.y + 2.0 * LINE + GAP)
     }
 
-    /// Top left of a cell of the sheet; the title of its row, if it is the first, goes here.
-    fn corner(self, column: usize, row: usize) -> Pos2 {
+    /// Top left of a picture with its lines, by its place in a block of so many rows; a block's title goes to the first.
+    fn corner(self, index: usize, block: usize, rows: usize) -> Pos2 {
+        let (column, row) = (index % self.columns, block * rows + index / self.columns);
         pos2(GAP, GAP) + vec2(column as f32, row as f32) * self.cell()
     }
 }
@@ -71,11 +74,13 @@ impl Layout {
 /// # Errors
 /// One sentence that says what is too large, or that the adapter failed.
 pub fn draw(gpu: &Gpu, measured: &[Row]) -> anyhow::Result<Screenshot> {
-    let columns = measured.iter().map(|row| row.pictures.len()).max().unwrap_or(0);
+    let most = measured.iter().map(|row| row.pictures.len()).max().unwrap_or(0);
+    let columns = most.clamp(1, MOST_COLUMNS);
+    let rows = most.div_ceil(columns);
     let size = measured.iter().flat_map(|row| &row.pictures).next().map_or([1, 1], |picture| picture.size);
     let limit = gpu.device.limits().max_texture_dimension_2d as f32;
-    let layout = Layout::new(columns, measured.len(), size, limit).ok_or_else(|| {
-        anyhow::anyhow!("A sheet of {} by {columns} pictures is too large: compare fewer.", measured.len())
+    let layout = Layout::new(columns, measured.len() * rows, size, limit).ok_or_else(|| {
+        anyhow::anyhow!("A sheet of {} by {columns} pictures is too large: compare fewer.", measured.len() * rows)
     })?;
     let sheet = layout.sheet();
     let mut canvas = Canvas::new(gpu, [sheet.x as u32, sheet.y as u32]);
@@ -86,7 +91,7 @@ pub fn draw(gpu: &Gpu, measured: &[Row]) -> anyhow::Result<Screenshot> {
             if textures.is_empty() {
                 textures = measured.iter().map(|row| row.pictures.iter().map(|p| texture(ui, p)).collect()).collect();
             }
-            paint(ui.painter(), layout, measured, &textures);
+            paint(ui.painter(), layout, rows, measured, &textures);
         })?;
     }
     Ok(canvas.picture()?)
@@ -97,17 +102,17 @@ fn texture(ui: &egui::Ui, picture: &Shown) -> TextureHandle {
     ui.ctx().load_texture("picture", image, TextureOptions::LINEAR)
 }
 
-fn paint(painter: &egui::Painter, layout: Layout, measured: &[Row], textures: &[Vec<TextureHandle>]) {
+fn paint(painter: &egui::Painter, layout: Layout, rows: usize, measured: &[Row], textures: &[Vec<TextureHandle>]) {
     painter.rect_filled(Rect::EVERYTHING, 0.0, BACKGROUND);
-    for (row, (measured, textures)) in measured.iter().zip(textures).enumerate() {
+    for (block, (measured, textures)) in measured.iter().zip(textures).enumerate() {
         let cell = &measured.cell;
         let title = format!("{}, distance {}, exponent {}", cell.map, cell.distance, cell.exponent);
-        write(painter, layout.corner(0, row), &title);
+        write(painter, layout.corner(0, block, rows), &title);
         let standard_error = figure(cell.reference.standard_error);
         let methods = cell.methods.iter().map(|found| (&found.method[..], figure(found.normalised_color_error)));
         let labels = std::iter::once(("truth, standard error", standard_error)).chain(methods);
-        for (column, (texture, (name, figure))) in textures.iter().zip(labels).enumerate() {
-            let place = Rect::from_min_size(layout.corner(column, row) + vec2(0.0, LINE), layout.picture);
+        for (index, (texture, (name, figure))) in textures.iter().zip(labels).enumerate() {
+            let place = Rect::from_min_size(layout.corner(index, block, rows) + vec2(0.0, LINE), layout.picture);
             let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
             painter.image(texture.id(), place, whole, Color32::WHITE);
             let clipped = painter.with_clip_rect(Rect::from_min_size(place.left_bottom(), vec2(place.width(), LINE)));
