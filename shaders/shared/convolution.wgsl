@@ -9,6 +9,14 @@ const EXACT: u32 = 3u;
 const COSINE: u32 = 0u;
 const EXACT_COSINE: u32 = 1u;
 
+// Concentrations between which lobes that stand for a model give way to the model itself.
+const SHARP = vec2f(1e4, 1e6);
+
+// The share of the model itself under a lobe of concentration `kappa`.
+fn own_share(kappa: f32) -> f32 {
+    return clamp(log(max(kappa, 1.0) / SHARP.x) / log(SHARP.y / SHARP.x), 0.0, 1.0);
+}
+
 // A lobe's max(n . w, 0), for the cosine between its mean direction and the light.
 fn diffuse_cosine(rule: u32, kappa: f32, cosine: f32) -> f32 {
     if EXACT_RULES {

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 use super::projection::{LOBES, PowerLobe, Projection, bands_for};
 use super::{BlinnPhong, Brdf, TorranceSparrow};
 use crate::sphere::harmonics::{cosine_power_zonal, vmf_zonal, zonal_series};
-use crate::sphere::vmf::{self, KAPPA_DELTA, KAPPA_MAX};
+use crate::sphere::vmf::{self, KAPPA_MAX};
 
 /// How the exponent of a blurred Blinn-Phong lobe is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -72,6 +72,16 @@ impl DiffuseRule {
 /// `exp(-NOTHING)` is less than what f64 resolves beside a peak.
 const NOTHING: f64 = 40.0;
 
+/// Concentrations between which lobes that stand for a model give way to the model itself, by the logarithm: the blur
+/// of such lobes is next to none, and what the fit of those leaves out is seen in dark places. A step from one to the
+/// other would fall on either side of it by a rounding.
+const SHARP: [f64; 2] = [1e4, 1e6];
+
+/// The share of the model itself under a lobe of concentration `kappa`.
+fn own_share(kappa: f64) -> f64 {
+    ((kappa / SHARP[0]).ln() / (SHARP[1] / SHARP[0]).ln()).clamp(0.0, 1.0)
+}
+
 /// A model convolved with one lobe, ready for any number of cosines.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Convolved {
@@ -81,6 +91,8 @@ pub enum Convolved {
     Gaussian(TorranceSparrow),
     /// Blinn-Phong lobes, each of a smaller exponent.
     Powers([PowerLobe; LOBES]),
+    /// The same under a sharp lobe: beside them the model as it is, by its share.
+    Sharp([PowerLobe; LOBES], Brdf, f64),
     /// The model as it is: the lobe is a delta.
     Itself(Brdf),
     /// A Legendre series by its coefficients.
@@ -93,11 +105,18 @@ impl Convolved {
         match self {
             Self::Power(model) => power(*model, cosine),
             Self::Gaussian(model) => model.zonal(cosine),
-            Self::Powers(lobes) => lobes.iter().map(|lobe| lobe.weight * power(lobe.model(), cosine)).sum(),
+            Self::Powers(lobes) => powers(lobes, cosine),
+            Self::Sharp(lobes, model, share) => {
+                (1.0 - share) * powers(lobes, cosine) + share * model.zonal(cosine)
+            }
             Self::Itself(model) => model.zonal(cosine),
             Self::Series(coefficients) => zonal_series(coefficients.iter().copied(), cosine).max(0.0),
         }
     }
+}
+
+fn powers(lobes: &[PowerLobe], cosine: f64) -> f64 {
+    lobes.iter().map(|lobe| lobe.weight * power(lobe.model(), cosine)).sum()
 }
 
 fn power(model: BlinnPhong, cosine: f64) -> f64 {
@@ -116,8 +135,14 @@ impl Brdf {
             Self::Lambert => Convolved::Power(rule.blurred(BlinnPhong { shininess: 1.0 }, kappa)),
             Self::BlinnPhong(model) => Convolved::Power(rule.blurred(model, kappa)),
             Self::TorranceSparrow(model) => Convolved::Gaussian(model.blurred(kappa)),
-            Self::Ggx(_) | Self::Measured(_) if kappa >= KAPPA_DELTA => Convolved::Itself(self),
-            Self::Ggx(_) | Self::Measured(_) => Convolved::Powers(self.lobes().map(|lobe| lobe.blurred(rule, kappa))),
+            Self::Ggx(_) | Self::Measured(_) => {
+                let lobes = || self.lobes().map(|lobe| lobe.blurred(rule, kappa));
+                match own_share(kappa) {
+                    0.0 => Convolved::Powers(lobes()),
+                    1.0 => Convolved::Itself(self),
+                    share => Convolved::Sharp(lobes(), self, share),
+                }
+            }
         }
     }
 
