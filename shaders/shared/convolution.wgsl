@@ -49,3 +49,19 @@ fn blurred_exponent(rule: u32, kappa: f32, shininess: f32) -> f32 {
         }
     }
 }
+
+// A Blinn-Phong lobe that stands for a part of a model, convolved with a lobe: twin of brdf/blurred_powers.rs.
+fn blurred_power(rule: u32, kappa: f32, shininess: f32, cosine: f32) -> f32 {
+    if shininess >= 1.0 {
+        return blinn_phong(blurred_exponent(rule, kappa, shininess), cosine);
+    }
+    // All but a step at the horizon, which becomes a Gaussian one.
+    let steepness = kappa / sqrt(kappa + 8.0 / (0.5 * TAU));
+    let x = clamp(steepness * cosine, -8.0, 8.0);
+    let lit = 1.0 / (1.0 + exp(-x * (1.5976 + 0.07056 * x * x)));
+    let reach = 2.0 / (0.5 * TAU) / max(steepness * steepness, 1e-12);
+    let far = sqrt(cosine * cosine + reach);
+    // The sum cancels below the horizon.
+    let rise = select(0.5 * reach / (far - cosine), 0.5 * (cosine + far), cosine > 0.0);
+    return (shininess + 1.0) / TAU * exp((1.0 - shininess) * log(lit) + shininess * log(rise));
+}

@@ -101,7 +101,7 @@ fn blurred_at(material: Material, kappa: f32, cosine: f32) -> vec3f {
         if share < 1.0 {
             for (var i = 0u; i < MODEL_LOBES; i++) {
                 let lobe = reflectance.lobes[i];
-                sum += lobe.xyz * blinn_phong(blurred_exponent(material.convolution, kappa, lobe.w), cosine);
+                sum += lobe.xyz * blurred_power(material.convolution, kappa, lobe.w, cosine);
             }
         }
         if share > 0.0 {
