@@ -181,7 +181,11 @@ mod tests {
             for pose in Pose::all() {
                 let image = pose.map(&map);
                 let other = Pose::canonical(&image).map(&image);
-                assert_eq!((&other.x, &other.y, &other.z), (&canonical.x, &canonical.y, &canonical.z), "{name} {pose:?}");
+                assert_eq!(
+                    (&other.x, &other.y, &other.z),
+                    (&canonical.x, &canonical.y, &canonical.z),
+                    "{name} {pose:?}"
+                );
             }
         }
     }
