@@ -19,7 +19,7 @@ struct Frame {
     level_choice: u32,
     most_probes: u32,
     light_count: u32,
-    padding: u32,
+    reconstruction: u32,
     more_padding: vec2u,
     fold: array<vec4u, 4>,
     lights: array<Light, 8>,
@@ -149,8 +149,11 @@ fn gather_light(point: Point) {
     for (var index = 0u; index < frame.light_count; index++) {
         incident[index] = incident_light(point, index);
     }
+    let own = world_from_tangent(point);
+    let all = world_from_map(point, own);
+    tangent_from_map = transpose(own) * all;
     if SKY {
-        set_local_sky(world_from_tangent(point), normalize_or_zero(frame.eye_in_world - point.position_in_world));
+        set_local_sky(all, normalize_or_zero(frame.eye_in_world - point.position_in_world));
     }
 }
 
@@ -161,16 +164,6 @@ fn incident_light(point: Point, index: u32) -> Incident {
     let local = local_light(point, normalize_or_zero(to_light));
     let difference_cosine = dot(local.light_in_tangent, local.half_in_tangent);
     return Incident(local, light.radiance / squared, unfiltered(difference_cosine));
-}
-
-// The frame of the surface at a point: tangent, bitangent and normal.
-fn world_from_tangent(point: Point) -> mat3x3f {
-    let normal = normalize_or_zero(point.normal_in_world);
-    let tangent = normalize_or_zero(point.tangent_in_world - normal * dot(normal, point.tangent_in_world));
-    // A mirrored map makes a left-handed frame.
-    let across = cross(normal, tangent);
-    let bitangent = select(across, -across, dot(across, point.bitangent_in_world) < 0.0);
-    return mat3x3f(tangent, bitangent, normal);
 }
 
 fn local_light(point: Point, light_in_world: vec3f) -> LocalLight {
@@ -214,12 +207,13 @@ fn seen(color: vec3f) -> vec4u {
 
 // What a normal reflects of every light and, by one sample, of the sky.
 fn reflect_all(normal: vec3f, pixel: vec2u, index: u32) -> vec3f {
+    let in_tangent = turned(normal);
     var sum = vec3f(0.0);
     for (var light = 0u; light < frame.light_count; light++) {
         let local = incident[light].local;
         let material = material_towards(incident[light]);
-        let specular = specular_at(material, dot(normal, local.half_in_tangent));
-        sum += incident[light].radiance * reflect(material, specular, dot(normal, local.light_in_tangent));
+        let specular = specular_at(material, dot(in_tangent, local.half_in_tangent));
+        sum += incident[light].radiance * reflect(material, specular, dot(in_tangent, local.light_in_tangent));
     }
     if SKY {
         sum += sample_sky(normal, pixel, index);
@@ -316,7 +310,7 @@ fn base_slot(base: BaseTaps, target_slot: u32) -> ColoredLobe {
 fn shade_lobe(lobe: ColoredLobe, light: LocalLight, material: Material) -> vec3f {
     let resultant = lobe.stored.yzw / lobe.stored.x;
     let length = length(resultant);
-    let mu = resultant / max(length, 1e-12);
+    let mu = turned(resultant / max(length, 1e-12));
     let kappa = concentration(1.0 - length);
     let light_cosine = dot(mu, light.light_in_tangent);
     let specular = blurred_at(material, kappa, dot(mu, light.half_in_tangent));

@@ -67,17 +67,17 @@ impl LitSurface {
     }
 }
 
-/// A surface point under one pixel, in world space; the frame is orthonormal.
+/// A surface point under one pixel, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     /// Position.
     pub position_in_world: Vec3,
-    /// Unit tangent, along growing u.
-    pub tangent_in_world: Vec3,
-    /// Unit bitangent, up the image, along falling v; left-handed where the map is mirrored.
-    pub bitangent_in_world: Vec3,
-    /// Unit geometric normal.
-    pub normal_in_world: Vec3,
+    /// Unit tangent along growing u, unit bitangent up the image and unit outward normal; left-handed where the map is
+    /// mirrored.
+    pub world_from_tangent: Mat3,
+    /// Takes the map's normals to that frame, up to their length; the identity but where derivatives are kept as they
+    /// are (see [`Reconstruction`](crate::scene::Reconstruction)).
+    pub tangent_from_map: Mat3,
     /// Texture coordinates, tiling applied.
     pub uv: Vec2,
     /// Change of `uv` over one pixel to the right, taken as a GPU takes it, between two pixels.
@@ -94,18 +94,11 @@ impl SurfacePoint {
         Probes::new(rule, self.uv_dx, self.uv_dy, base, lod_range)
     }
 
-    /// The frame of the surface there.
-    fn world_from_tangent(&self) -> Mat3 {
-        Mat3::from_cols(self.tangent_in_world, self.bitangent_in_world, self.normal_in_world)
-    }
-
     /// Light and view from their unit directions in world space.
     fn local_light(&self, to_light: Vec3, to_eye: Vec3) -> LocalLight {
-        let half = (to_eye + to_light).normalize_or(self.normal_in_world);
-        let tangent_from_world = |v: Vec3| {
-            Vec3::new(v.dot(self.tangent_in_world), v.dot(self.bitangent_in_world), v.dot(self.normal_in_world))
-        };
-        LocalLight { light_in_tangent: tangent_from_world(to_light), half_in_tangent: tangent_from_world(half) }
+        let half = (to_eye + to_light).normalize_or(self.world_from_tangent.z_axis);
+        let tangent_from_world = self.world_from_tangent.transpose();
+        LocalLight { light_in_tangent: tangent_from_world * to_light, half_in_tangent: tangent_from_world * half }
     }
 }
 
@@ -120,8 +113,8 @@ pub fn shade_point(
 ) -> Vec3 {
     let to_eye = (surface.camera.eye_in_world() - point.position_in_world).normalize();
     let over_probes = |shade: &dyn Fn(&Lookup) -> Vec3| {
-        let probe =
-            |offset: Vec2| shade(&Lookup { uv: point.uv + offset, footprint: point.footprint, lod: probes.lod, pixel });
+        let (footprint, lod, tangent_from_map) = (point.footprint, probes.lod, point.tangent_from_map);
+        let probe = |offset: Vec2| shade(&Lookup { uv: point.uv + offset, footprint, lod, pixel, tangent_from_map });
         if filter.takes_probes() {
             probes.offsets().map(probe).sum::<Vec3>() / probes.count as f32
         } else {
@@ -132,10 +125,13 @@ pub fn shade_point(
         let incident = light.at(point.position_in_world);
         let local = point.local_light(incident.direction_in_world, to_eye);
         let material = surface.material.towards(local.light_in_tangent.dot(local.half_in_tangent));
-        incident.radiance * over_probes(&|lookup| filter.shade(lookup, &local, &material))
+        let towards =
+            |lookup: &Lookup| filter.mean_normal(lookup).map_or(local, |mean| local.as_seen_from(lookup, mean));
+        incident.radiance * over_probes(&|lookup| filter.shade(lookup, &towards(lookup), &material))
     };
     let of_lights: Vec3 = surface.lights.as_slice().iter().map(of_light).sum();
-    let sky = LocalSky::new(&surface.sky, &surface.material, point.world_from_tangent(), to_eye);
+    let world_from_map = point.world_from_tangent * point.tangent_from_map;
+    let sky = LocalSky::new(&surface.sky, &surface.material, world_from_map, to_eye);
     let of_sky = sky.map_or(Vec3::ZERO, |sky| over_probes(&|lookup| filter.shade_sky(lookup, &sky)));
     surface.exposure() * (of_lights + of_sky)
 }

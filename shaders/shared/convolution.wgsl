@@ -9,6 +9,14 @@ const EXACT: u32 = 3u;
 const COSINE: u32 = 0u;
 const EXACT_COSINE: u32 = 1u;
 
+// Concentrations between which lobes that stand for a model give way to the model itself.
+const SHARP = vec2f(1e4, 1e6);
+
+// The share of the model itself under a lobe of concentration `kappa`.
+fn own_share(kappa: f32) -> f32 {
+    return clamp(log(max(kappa, 1.0) / SHARP.x) / log(SHARP.y / SHARP.x), 0.0, 1.0);
+}
+
 // A lobe's max(n . w, 0), for the cosine between its mean direction and the light.
 fn diffuse_cosine(rule: u32, kappa: f32, cosine: f32) -> f32 {
     if EXACT_RULES {
@@ -40,4 +48,20 @@ fn blurred_exponent(rule: u32, kappa: f32, shininess: f32) -> f32 {
             return max(kappa * (shininess + 1.0) / (kappa + shininess + 1.0) - 1.0, 0.0);
         }
     }
+}
+
+// A Blinn-Phong lobe that stands for a part of a model, convolved with a lobe: twin of brdf/blurred_powers.rs.
+fn blurred_power(rule: u32, kappa: f32, shininess: f32, cosine: f32) -> f32 {
+    if shininess >= 1.0 {
+        return blinn_phong(blurred_exponent(rule, kappa, shininess), cosine);
+    }
+    // All but a step at the horizon, which becomes a Gaussian one.
+    let steepness = kappa / sqrt(kappa + 8.0 / (0.5 * TAU));
+    let x = clamp(steepness * cosine, -8.0, 8.0);
+    let lit = 1.0 / (1.0 + exp(-x * (1.5976 + 0.07056 * x * x)));
+    let reach = 2.0 / (0.5 * TAU) / max(steepness * steepness, 1e-12);
+    let far = sqrt(cosine * cosine + reach);
+    // The sum cancels below the horizon.
+    let rise = select(0.5 * reach / (far - cosine), 0.5 * (cosine + far), cosine > 0.0);
+    return (shininess + 1.0) / TAU * exp((1.0 - shininess) * log(lit) + shininess * log(rise));
 }

@@ -96,13 +96,16 @@ fn blurred_at(material: Material, kappa: f32, cosine: f32) -> vec3f {
         return vec3f(torrance_sparrow(blurred_sigma(material.roughness, kappa), cosine));
     }
     if MODEL == GGX || MODEL == MEASURED {
-        if kappa >= KAPPA_DELTA {
-            return specular_at(material, cosine);
-        }
+        let share = own_share(kappa);
         var sum = vec3f(0.0);
-        for (var i = 0u; i < MODEL_LOBES; i++) {
-            let lobe = reflectance.lobes[i];
-            sum += lobe.xyz * blinn_phong(blurred_exponent(material.convolution, kappa, lobe.w), cosine);
+        if share < 1.0 {
+            for (var i = 0u; i < MODEL_LOBES; i++) {
+                let lobe = reflectance.lobes[i];
+                sum += lobe.xyz * blurred_power(material.convolution, kappa, lobe.w, cosine);
+            }
+        }
+        if share > 0.0 {
+            sum = mix(sum, specular_at(material, cosine), share);
         }
         return sum;
     }

@@ -27,9 +27,14 @@ fn channel_layer(lookup: Lookup, lod: f32, layer: u32) -> vec4f {
 
 // What the map reflects around a point of every light and of the sky, before its colour.
 fn reflect_around(lookup: Lookup, lod: f32) -> vec3f {
+    var mean = vec3f(0.0);
+    if frame.reconstruction != ORTHONORMAL {
+        mean = mean_normal(lookup, lod);
+    }
     var sum = vec3f(0.0);
     for (var light = 0u; light < frame.light_count; light++) {
-        sum += incident[light].radiance * shade(lookup, lod, incident[light].local, material_towards(incident[light]));
+        let local = as_seen_from(mean, incident[light].local);
+        sum += incident[light].radiance * shade(lookup, lod, local, material_towards(incident[light]));
     }
     if SKY {
         for (var index = 0u; index < ndf_lobe_count(); index++) {

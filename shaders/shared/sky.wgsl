@@ -51,7 +51,8 @@ fn lobe_of_mean(mean: vec3f) -> NdfLobe {
 
 // The sky at the pixel's point.
 struct LocalSky {
-    sky_from_tangent: mat3x3f,
+    // Takes the map's normals to the sky's frame, up to their length.
+    sky_from_map: mat3x3f,
     to_eye: vec3f,
 }
 
@@ -66,12 +67,12 @@ fn sky_texel(direction: vec3f) -> vec4f {
     return textureLoad(sky_texels, texel, 0);
 }
 
-// Sets up the sky at a point of this frame that is seen along `to_eye`.
-fn set_local_sky(world_from_tangent: mat3x3f, to_eye_in_world: vec3f) {
+// Sets up the sky at a point that is seen along `to_eye`; the matrix takes the map's normals to the surface's.
+fn set_local_sky(world_from_map: mat3x3f, to_eye_in_world: vec3f) {
     let axes = mat3x3f(
-        sky_from_world(sky.turn, world_from_tangent[0]),
-        sky_from_world(sky.turn, world_from_tangent[1]),
-        sky_from_world(sky.turn, world_from_tangent[2]),
+        sky_from_world(sky.turn, world_from_map[0]),
+        sky_from_world(sky.turn, world_from_map[1]),
+        sky_from_world(sky.turn, world_from_map[2]),
     );
     local_sky = LocalSky(axes, sky_from_world(sky.turn, to_eye_in_world));
 }
@@ -182,7 +183,7 @@ fn sky_series(first: u32, most: u32, last: u32, zonal: array<f32, 13>, direction
 
 // What a lobe of normals reflects of the sky, linear RGB (Han et al. 2007, eq. 25 and 26).
 fn shade_sky(lobe: NdfLobe) -> vec3f {
-    let mu = local_sky.sky_from_tangent * lobe.mean_direction;
+    let mu = normalize_or_zero(local_sky.sky_from_map * lobe.mean_direction);
     let zonal = lobe_zonal(lobe.concentration);
     let diffuse = sky_series(SPECULAR_TERMS, DIFFUSE_BAND, DIFFUSE_BAND, zonal, mu);
     let specular = sky_series(0u, MOST_BANDS, sky.last_band, zonal, half_way(local_sky.to_eye, mu));
@@ -218,7 +219,7 @@ fn sky_estimate(normal: vec3f, direction: vec3f) -> vec3f {
 
 // Sample `index` of a pixel of what one normal reflects, linear RGB.
 fn sample_sky(normal_in_tangent: vec3f, pixel: vec2u, index: u32) -> vec3f {
-    let normal = local_sky.sky_from_tangent * normal_in_tangent;
+    let normal = normalize_or_zero(local_sky.sky_from_map * normal_in_tangent);
     let seeds = sky_seeds(pixel);
     let nth = index / 2u;
     if index % 2u == 0u {

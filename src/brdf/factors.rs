@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::merl::{Merl, PHI_D, THETA_D, THETA_H, phi_d, theta_d, theta_h};
+use super::merl::{Merl, PHI_D, THETA_D, THETA_H, cosines, theta_d, theta_h};
 
 /// Rounds of the two: the product changes by less than 1e-9 in the last.
 const ROUNDS: usize = 60;
@@ -50,15 +50,14 @@ impl Factors {
 }
 
 fn bin(measured: &Merl, channel: usize, h: usize, d: usize) -> Bin {
-    let ((sin_h, cos_h), (sin_d, cos_d)) = (theta_h(h).sin_cos(), theta_d(d).sin_cos());
+    let (sin_h, (sin_d, cos_d)) = (theta_h(h).sin(), theta_d(d).sin_cos());
     // Equal steps of the square root of theta_h are as wide as the root.
     let solid_angle = sin_h * theta_h(h).sqrt() * sin_d * cos_d;
     let first = (h * THETA_D + d) * PHI_D;
     let values = &measured.planes[channel][first..first + PHI_D];
     let mut sums = Bin::default();
     for (k, &value) in values.iter().enumerate() {
-        let across = sin_h * sin_d * phi_d(k).cos();
-        let (light, eye) = (cos_h * cos_d - across, cos_h * cos_d + across);
+        let [light, eye] = cosines(h, d, k);
         if light > 0.0 && eye > 0.0 && value >= 0.0 {
             let weight = solid_angle * light * eye;
             sums.weight += weight;

@@ -67,6 +67,15 @@ impl Material {
         }
     }
 
+    /// That by name, as the command line writes it, its parameter as short as it is kept.
+    pub fn brdf_name(&self) -> String {
+        let (brdf, mut own) = (self.brdf(), *self);
+        match &Model::from(brdf).kind().parameter {
+            Some(parameter) => format!("{}:{}", Model::from(brdf).kind().name, (parameter.field)(&mut own)),
+            None => brdf.to_string(),
+        }
+    }
+
     /// Takes up a model with its parameter. A measured one is the whole reflectance: it is taken as it is, without a
     /// diffuse part beside it.
     pub fn set_brdf(&mut self, brdf: Brdf) {

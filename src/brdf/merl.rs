@@ -21,6 +21,8 @@ pub const PHI_D: usize = 180;
 pub const PLANE: usize = THETA_H * THETA_D * PHI_D;
 /// Bytes of a file.
 pub const FILE_BYTES: usize = 3 * size_of::<i32>() + 3 * PLANE * size_of::<f64>();
+/// The largest value per steradian that is read: a mirror's peak is some thousands, and sums of squares stay finite.
+pub const MOST: f64 = 1e12;
 /// What a plane's values are multiplied by.
 pub const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
@@ -40,8 +42,11 @@ pub enum MerlError {
     /// A value is infinite or no number.
     #[error("'{name}' is damaged: it holds values that are not finite")]
     NotFinite { name: String },
+    /// A value is beyond all reflectance.
+    #[error("'{name}' is damaged: it holds values above {MOST:e} per steradian")]
+    TooLarge { name: String },
     /// A channel holds nothing that was measured.
-    #[error("'{name}' holds no measured reflectance: a channel has no value above 0")]
+    #[error("'{name}' holds no measured reflectance: a channel has no value above 0 where light and eye are above it")]
     Nothing { name: String },
 }
 
@@ -65,6 +70,22 @@ pub fn theta_d(bin: usize) -> f64 {
 /// The middle of bin i of phi_d.
 pub fn phi_d(bin: usize) -> f64 {
     (bin as f64 + 0.5) / PHI_D as f64 * PI
+}
+
+/// Cosines of light and eye with the normal in a bin's middle; below 0 the surface hides one from the other.
+pub fn cosines(h: usize, d: usize, k: usize) -> [f64; 2] {
+    let ((sin_h, cos_h), (sin_d, cos_d)) = (theta_h(h).sin_cos(), theta_d(d).sin_cos());
+    let across = sin_h * sin_d * phi_d(k).cos();
+    [cos_h * cos_d - across, cos_h * cos_d + across]
+}
+
+/// True where a plane holds a value above 0 that can be seen.
+fn is_seen(plane: &[f64]) -> bool {
+    let is_lit = |index: usize| {
+        let (h, rest) = (index / (THETA_D * PHI_D), index % (THETA_D * PHI_D));
+        cosines(h, rest / PHI_D, rest % PHI_D).iter().all(|&cosine| cosine > 0.0)
+    };
+    plane.iter().enumerate().any(|(index, &value)| value > 0.0 && is_lit(index))
 }
 
 impl Merl {
@@ -117,7 +138,10 @@ impl Merl {
         if planes.iter().flatten().any(|value| !value.is_finite()) {
             return Err(MerlError::NotFinite { name: owned() });
         }
-        if planes.iter().any(|plane| plane.iter().all(|&value| value <= 0.0)) {
+        if planes.iter().flatten().any(|&value| value > MOST) {
+            return Err(MerlError::TooLarge { name: owned() });
+        }
+        if !planes.iter().all(|plane| is_seen(plane)) {
             return Err(MerlError::Nothing { name: owned() });
         }
         Ok(Self { planes })
@@ -164,5 +188,13 @@ mod tests {
         assert!(refused(&filled(f64::NAN)).contains("not finite"));
         assert!(refused(&filled(f64::INFINITY)).contains("not finite"));
         assert!(refused(&filled(-1.0)).contains("no value above 0"));
+        assert!(refused(&filled(1e300)).contains("above 1e12"));
+        // The last bin: half vector and light lie in the surface, the light or the eye below it.
+        let mut hidden = filled(0.0);
+        for channel in 1..=3 {
+            let end = 12 + 8 * channel * PLANE;
+            hidden[end - 8..end].copy_from_slice(&1.0_f64.to_le_bytes());
+        }
+        assert!(refused(&hidden).contains("no value above 0"), "what no light reaches is not measured");
     }
 }

@@ -15,6 +15,7 @@
 //! [`ModelKind`], its place in [`Model`] and [`Brdf`].
 
 pub mod blinn_phong;
+pub mod blurred_powers;
 pub mod convolution;
 pub mod drying;
 pub mod exact_table;

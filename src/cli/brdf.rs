@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use crate::brdf::{Brdf, ParseBrdfError};
+use clap::ValueEnum;
+
+use crate::brdf::{BlinnPhong, Brdf, Ggx, ParseBrdfError, TorranceSparrow};
 use crate::session::measured;
 
 /// An analytic BRDF, or a file of a measured one, which is read when it is asked for.
@@ -35,6 +37,28 @@ impl BrdfArgument {
         match self {
             Self::Analytic(brdf) => Ok(*brdf),
             Self::Merl(path) => Ok(Brdf::Measured(measured::read(path)?)),
+        }
+    }
+}
+
+/// A model with a width.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Analytic {
+    /// Blinn-Phong of the exponent itself.
+    BlinnPhong,
+    /// The Torrance-Sparrow form of sigma = 1 / sqrt(2 s).
+    TorranceSparrow,
+    /// GGX of the alpha at which it falls to half its peak at the same angle.
+    Ggx,
+}
+
+impl Analytic {
+    /// The model as wide as Blinn-Phong of an exponent.
+    pub fn of_exponent(self, exponent: f64) -> Brdf {
+        match self {
+            Self::BlinnPhong => Brdf::BlinnPhong(BlinnPhong { shininess: exponent }),
+            Self::TorranceSparrow => Brdf::TorranceSparrow(TorranceSparrow::of_exponent(exponent)),
+            Self::Ggx => Brdf::Ggx(Ggx::of_exponent(exponent)),
         }
     }
 }

@@ -11,11 +11,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::brdf::{Analytic, BrdfArgument};
 use super::look::LookArguments;
 use super::options::{FitArguments, MapArguments, write_text};
 use super::render::{PICTURE_SAMPLES, PictureSize};
 use super::start::Start;
-use crate::brdf::{BlinnPhong, Brdf};
+use crate::brdf::Brdf;
 use crate::filter::{MethodChoice, Rival};
 use crate::gpu::Gpu;
 use crate::headless::Screenshot;
@@ -54,9 +55,16 @@ pub struct CompareCommand {
     /// Distances from the eye to the surface's centre, with commas between.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_distance)]
     pub distances: Vec<f32>,
-    /// Exponents of a Blinn-Phong material, with commas between.
+    /// Exponents of a Blinn-Phong material, with commas between; of every model that --models names the material as
+    /// wide.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_exponent, conflicts_with = "brdf")]
     pub exponents: Vec<f32>,
+    /// The models that take the widths of --exponents, with commas between.
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', requires = "exponents")]
+    pub models: Vec<Analytic>,
+    /// Materials beside those, with commas between: blinn-phong:S, torrance-sparrow:SIGMA, ggx:ALPHA or merl:FILE.
+    #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with = "brdf")]
+    pub brdfs: Vec<BrdfArgument>,
     /// Measure the mean change from frame to frame too, each method's beside the truth's, over a dolly of N frames:
     /// the first at the cell's distance, each of the others 1/16 farther than the one before.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=256))]
@@ -131,14 +139,15 @@ impl CompareCommand {
     /// Every cell of every map, of which `first` is the first one's session.
     fn measure(&self, gpu: &Gpu, maps: &[Option<PathBuf>], first: Session) -> anyhow::Result<Vec<Row>> {
         let settings = self.settings(&first);
-        let mut bar = Bar::new(maps.len() * self.distances.len().max(1) * self.exponents.len().max(1), &settings);
+        let brdfs = self.every_brdf()?;
+        let mut bar = Bar::new(maps.len() * self.distances.len().max(1) * brdfs.len().max(1), &settings);
         let mut measurer = Measurer::new(gpu, &settings);
         let mut rows = Vec::new();
         let mut first = Some(first);
         for path in maps {
             let mut session = first.take().map_or_else(|| self.session_of(path.as_deref()), Ok)?;
             let map = path.as_ref().map_or_else(|| session.map().name(), |path| path.display().to_string());
-            let points = self.points(&session);
+            let points = self.points(&session, &brdfs);
             bar.map(&map, points.len());
             measurer.measure(&mut session, &points, &mut bar)?;
             rows.extend(bar.rows(&points));
@@ -159,16 +168,29 @@ impl CompareCommand {
         }
     }
 
-    /// The session's surface from every distance with every exponent.
-    fn points(&self, session: &Session) -> Vec<Point> {
-        let or = |values: &[f32], value: f32| if values.is_empty() { vec![value] } else { values.to_vec() };
+    /// Every material that is asked for: each model of each width, then those by name.
+    fn every_brdf(&self) -> anyhow::Result<Vec<Brdf>> {
+        let models = if self.models.is_empty() { &[Analytic::BlinnPhong] } else { self.models.as_slice() };
+        let of_exponent = |&exponent: &f32| models.iter().map(move |model| model.of_exponent(exponent.into()));
+        let mut brdfs: Vec<Brdf> = self.exponents.iter().flat_map(of_exponent).collect();
+        for brdf in &self.brdfs {
+            brdfs.push(brdf.read()?);
+        }
+        Ok(brdfs)
+    }
+
+    /// The session's surface from every distance with every material; its own where none is asked for.
+    fn points(&self, session: &Session, brdfs: &[Brdf]) -> Vec<Point> {
+        let distances =
+            if self.distances.is_empty() { &[session.surface.camera.distance] } else { &self.distances[..] };
+        let materials = if brdfs.is_empty() { vec![None] } else { brdfs.iter().copied().map(Some).collect() };
         let mut points = Vec::new();
-        for shininess in or(&self.exponents, session.surface.material.exponent()) {
-            for distance in or(&self.distances, session.surface.camera.distance) {
+        for brdf in materials {
+            for &distance in distances {
                 let mut surface: LitSurface = session.surface.clone();
                 surface.camera.distance = distance;
-                if !self.exponents.is_empty() {
-                    surface.material.set_brdf(Brdf::BlinnPhong(BlinnPhong { shininess: shininess.into() }));
+                if let Some(brdf) = brdf {
+                    surface.material.set_brdf(brdf);
                 }
                 points.push(Point { surface, fit: *session.fit_settings() });
             }

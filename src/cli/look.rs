@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::brdf::BrdfArgument;
 use super::options::parse_fresnel;
-use super::rules::{Convolution, Diffuse};
+use super::rules::{Convolution, Diffuse, FramePerPixel};
 use crate::filter::LevelChoice;
 use crate::filter::probes::MOST_PROBES;
 use crate::lighting::sky_harmonics::MOST_BANDS;
@@ -52,10 +52,13 @@ pub struct LookArguments {
     /// Degrees that the texture coordinates are turned by, counter-clockwise.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub turn: Option<f32>,
-    /// The frames of a mesh: mikktspace; grouped or grouped:DEGREES, by Mikkelsen's four rules, averaging only what lies
+    /// The frames of a mesh: file, those that a glTF file brings or else MikkTSpace's; mikktspace; grouped or grouped:DEGREES, by Mikkelsen's four rules, averaging only what lies
     /// within so many degrees.
     #[arg(long, value_name = "RULE")]
     pub frames: Option<FrameRule>,
+    /// What is made of the vertices' frames at a pixel between them.
+    #[arg(long, value_enum)]
+    pub reconstruction: Option<FramePerPixel>,
     /// Mirror the map, left for right.
     #[arg(long)]
     pub mirror: bool,
@@ -181,6 +184,7 @@ impl LookArguments {
             tiling: self.tiling.unwrap_or(shape.tiling),
             shear: self.shear.unwrap_or(shape.shear),
             frames: self.frames.unwrap_or(shape.frames),
+            reconstruction: self.reconstruction.map_or(shape.reconstruction, FramePerPixel::way),
             turn_deg: self.turn.unwrap_or(shape.turn_deg),
             mirrored: self.mirror || shape.mirrored,
             ..shape.clone()

@@ -1,9 +1,10 @@
-//! The rules of convolution and of slopes by name, as options have them.
+//! Rules by name, as options have them.
 
 use clap::ValueEnum;
 
 use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::normal_map::SlopeKernel;
+use crate::scene::Reconstruction;
 
 /// How a lobe and a BRDF are convolved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -67,6 +68,28 @@ impl Diffuse {
         match self {
             Self::Cosine => DiffuseRule::Cosine,
             Self::Exact => DiffuseRule::Exact,
+        }
+    }
+}
+
+/// What is made of the vertices' frames at a pixel between them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FramePerPixel {
+    /// A rotation: the normal, the tangent in its plane, the bitangent at right angles to both.
+    Orthonormal,
+    /// Both derivatives in the plane of the normal, by the three steps of Mikkelsen's section 3.4.
+    Projected,
+    /// The interpolated vectors as they are, section 3.5.
+    Interpolated,
+}
+
+impl FramePerPixel {
+    /// The way of this name.
+    pub fn way(self) -> Reconstruction {
+        match self {
+            Self::Orthonormal => Reconstruction::Orthonormal,
+            Self::Projected => Reconstruction::Projected,
+            Self::Interpolated => Reconstruction::Interpolated,
         }
     }
 }

@@ -174,6 +174,10 @@ impl Filter for Harmonics {
         })
     }
 
+    fn mean_normal(&self, lookup: &Lookup) -> Option<Vec3> {
+        Some(self.mip.mean(lookup))
+    }
+
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let parts = Parts::new(light, material, self.last_band + 1);
         let base_share = if self.mip.levels.len() == 1 { 1.0 } else { 1.0 - f64::from(lookup.lod.clamp(0.0, 1.0)) };

@@ -129,6 +129,10 @@ impl Filter for Lean {
         })
     }
 
+    fn mean_normal(&self, lookup: &Lookup) -> Option<Vec3> {
+        Some(self.mip.mean(lookup))
+    }
+
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let taps = self.moments.taps(lookup);
         let slopes = SlopeGaussian::from_moments(self.moments.blend(&taps, 0), self.moments.blend(&taps, 1));

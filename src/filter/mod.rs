@@ -22,10 +22,11 @@ pub mod truth;
 pub mod vmf;
 pub mod worst_texels;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Mat3, Vec2, Vec3};
 
 use crate::brdf::{Brdf, Material};
 use crate::normal_map::pyramid::Texel;
+use crate::scene::reconstruction::turned;
 
 pub use method::{Method, MethodChoice, ParseMethodError};
 pub use pixel_footprint::PixelFootprint;
@@ -47,6 +48,16 @@ pub struct Lookup {
     pub lod: f32,
     /// Integer pixel coordinates, which seed the truth's jitter.
     pub pixel: [u32; 2],
+    /// Takes the map's normals to tangent space, up to their length; the identity but for frames that are not
+    /// orthonormal.
+    pub tangent_from_map: Mat3,
+}
+
+impl Lookup {
+    /// A normal of the map in tangent space, of its own length.
+    pub fn turned(&self, normal: Vec3) -> Vec3 {
+        turned(self.tangent_from_map, normal)
+    }
 }
 
 /// Light and view at a surface point, in the tangent space of the surface.
@@ -57,6 +68,26 @@ pub struct LocalLight {
     /// Unit half vector between light and view.
     pub half_in_tangent: Vec3,
 }
+
+impl LocalLight {
+    /// Light and half vector turned as the shortest way takes the mean normal in tangent space back to where it is in the
+    /// map: what is kept about that mean is lit as if it had turned along.
+    pub fn as_seen_from(self, lookup: &Lookup, mean: Vec3) -> Self {
+        let (from, to) = (lookup.turned(mean).normalize_or_zero(), mean.normalize_or_zero());
+        let (axis, cosine) = (from.cross(to), from.dot(to));
+        if from == to || cosine < LEAST_TURN {
+            return self;
+        }
+        let back = |v: Vec3| {
+            let moved = axis.cross(v);
+            v + moved + axis.cross(moved) / (1.0 + cosine)
+        };
+        Self { light_in_tangent: back(self.light_in_tangent), half_in_tangent: back(self.half_in_tangent) }
+    }
+}
+
+/// No normal is turned as far as this cosine; there is no shortest way half round.
+const LEAST_TURN: f32 = -0.9;
 
 /// One texel's effective BRDF as a function of the direction, per steradian.
 pub type EffectiveBrdf<'a> = Box<dyn Fn(DVec3) -> f64 + Send + Sync + 'a>;
@@ -78,6 +109,12 @@ pub trait Filter: Send + Sync {
 
     /// Linear RGB reflected of the sky towards the eye, likewise.
     fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3;
+
+    /// The mean normal at a lookup, not normalised, where all that the method keeps is lit about it; `None` where it
+    /// turns its normals itself ([`Lookup::turned`]).
+    fn mean_normal(&self, _lookup: &Lookup) -> Option<Vec3> {
+        None
+    }
 
     /// Whether a long footprint is read by several probes; the truth alone covers it by its own samples.
     fn takes_probes(&self) -> bool {

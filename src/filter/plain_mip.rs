@@ -136,6 +136,10 @@ impl Filter for PlainMip {
         Box::new(move |omega| brdf.zonal(normal.dot(omega)))
     }
 
+    fn mean_normal(&self, lookup: &Lookup) -> Option<Vec3> {
+        Some(self.mean(lookup))
+    }
+
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let normal = self.mean(lookup).normalize_or_zero();
         self.color(lookup) * reflect_from(normal, light, material)
@@ -159,6 +163,10 @@ impl Filter for UnnormalisedMip {
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let mean = self.mip.of_texel(texel).as_dvec3();
         Box::new(move |omega| brdf.zonal(mean.dot(omega)))
+    }
+
+    fn mean_normal(&self, lookup: &Lookup) -> Option<Vec3> {
+        Some(self.mip.mean(lookup))
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {

@@ -34,7 +34,8 @@ pub struct LocalSky<'a> {
     environment: &'a Environment,
     material: &'a Material,
     intensity: f32,
-    sky_from_tangent: Mat3,
+    /// Takes the map's normals to the sky's frame, up to their length.
+    sky_from_map: Mat3,
     to_eye_in_sky: Vec3,
     diffuse: Vec<DVec3>,
     specular: Vec<DVec3>,
@@ -60,8 +61,9 @@ impl NdfLobe {
 }
 
 impl<'a> LocalSky<'a> {
-    /// The sky, if there is one, at a point of this frame that is seen along `to_eye`, for this material.
-    pub fn new(sky: &'a Sky, material: &'a Material, world_from_tangent: Mat3, to_eye_in_world: Vec3) -> Option<Self> {
+    /// The sky, if there is one, at a point that is seen along `to_eye`, for this material; the matrix takes the map's
+    /// normals to the surface's.
+    pub fn new(sky: &'a Sky, material: &'a Material, world_from_map: Mat3, to_eye_in_world: Vec3) -> Option<Self> {
         let environment = sky.environment.as_deref()?;
         let sky_from_world = sky.sky_from_world();
         let to_eye_in_sky = sky_from_world * to_eye_in_world;
@@ -70,16 +72,21 @@ impl<'a> LocalSky<'a> {
             environment,
             material,
             intensity: sky.intensity,
-            sky_from_tangent: sky_from_world * world_from_tangent,
+            sky_from_map: sky_from_world * world_from_map,
             to_eye_in_sky,
             diffuse: reflected(&environment.harmonics.diffuse, &diffuse),
             specular: reflected(&environment.harmonics.specular(to_eye_in_sky), &specular),
         })
     }
 
+    /// A normal of the map in the sky's frame, a unit vector again; zero for none.
+    fn in_sky(&self, normal: Vec3) -> Vec3 {
+        (self.sky_from_map * normal).normalize_or_zero()
+    }
+
     /// What a lobe of normals reflects, linear RGB (Han et al. 2007, eq. 25 and 26).
     pub fn shade(&self, lobe: &NdfLobe) -> Vec3 {
-        let mu = (self.sky_from_tangent * lobe.mean_direction).as_dvec3();
+        let mu = self.in_sky(lobe.mean_direction).as_dvec3();
         let zonal = vmf_zonal_low(lobe.concentration, MOST_BANDS + 1);
         let half_way_mu = half_way(self.to_eye_in_sky.as_dvec3(), mu);
         let diffuse = series(&self.diffuse, DIFFUSE_BAND, &zonal, mu);
@@ -91,7 +98,7 @@ impl<'a> LocalSky<'a> {
 
     /// Sample `index` of a pixel of what one normal reflects, linear RGB; zero for no normal.
     pub fn sample(&self, normal: Vec3, pixel: [u32; 2], index: u32) -> Vec3 {
-        let normal = self.sky_from_tangent * normal;
+        let normal = self.in_sky(normal);
         let [.., across, down, first] = pixel_seeds(pixel);
         let nth = index / 2;
         if index.is_multiple_of(2) {
@@ -134,7 +141,7 @@ impl<'a> LocalSky<'a> {
 
     /// What one normal reflects of every texel of the sky, without samples.
     pub fn exact(&self, normal: Vec3) -> Vec3 {
-        let normal = self.sky_from_tangent * normal;
+        let normal = self.in_sky(normal);
         let of_texel = |(direction, solid_angle, index): (DVec3, f64, usize)| {
             let direction = direction.as_vec3();
             let half = (direction + self.to_eye_in_sky).normalize_or_zero();

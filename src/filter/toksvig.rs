@@ -58,6 +58,10 @@ impl Filter for Toksvig {
         Box::new(move |omega| widened.zonal(normal.dot(omega)))
     }
 
+    fn mean_normal(&self, lookup: &Lookup) -> Option<Vec3> {
+        Some(self.mip.mean(lookup))
+    }
+
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let mean = self.mip.mean(lookup);
         let normal = mean.normalize_or_zero();

@@ -88,6 +88,7 @@ impl Filter for Truth {
         for index in 0..self.samples {
             let offset = jitter(lookup.pixel, index);
             let (normal, color) = self.texel_at(lookup.uv + lookup.footprint.uv_step(offset));
+            let normal = lookup.turned(normal);
             let specular = material.specular_at(normal.dot(light.half_in_tangent));
             sum += (color * reflect(material, specular, normal.dot(light.light_in_tangent))).as_dvec3();
         }

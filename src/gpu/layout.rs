@@ -31,6 +31,9 @@ pub const SAMPLING: &str = include_str!("../../shaders/shared/sampling.wgsl");
 /// The truth's jitter, the twin of `filter/truth.rs`.
 pub const TRUTH: &str = include_str!("../../shaders/shared/truth.wgsl");
 
+/// The frame at a pixel, the twin of `scene/reconstruction.rs`.
+pub const RECONSTRUCTION: &str = include_str!("../../shaders/shared/reconstruction.wgsl");
+
 /// A direction in a picture by latitude and longitude, the twin of `lighting/environment.rs`.
 pub const LAT_LONG: &str = include_str!("../../shaders/shared/lat_long.wgsl");
 /// What lobes and samples reflect of the sky, the twin of `filter/sky_light.rs`.

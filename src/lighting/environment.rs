@@ -16,6 +16,9 @@ use super::sky_source::{SkyError, SkySource};
 /// The most texels across that are kept of a sky; a wider one is averaged down.
 pub const MOST_COLUMNS: usize = 1024;
 
+/// The largest radiance that is read: a thousand suns, of which sums over the sky and their products stay finite.
+pub const MOST_RADIANCE: f32 = 1e12;
+
 /// A sky, ready to light.
 #[derive(Clone, Debug)]
 pub struct Environment {
@@ -48,6 +51,9 @@ impl Environment {
         }
         if let Some(index) = radiance.iter().position(|color| !color.is_finite()) {
             return Err(SkyError::NotFinite { name: name(), x: index % width, y: index / width });
+        }
+        if let Some(index) = radiance.iter().position(|color| color.max_element() > MOST_RADIANCE) {
+            return Err(SkyError::TooBright { name: name(), x: index % width, y: index / width });
         }
         // Filters of other programs leave values a little below zero.
         let radiance: Vec<Vec3> = radiance.into_iter().map(|color| color.max(Vec3::ZERO)).collect();
@@ -194,7 +200,9 @@ mod tests {
         assert!(sentence(0, Vec::new()).contains("0x0"));
         let mut radiance = vec![Vec3::ONE; 8];
         radiance[6].y = f32::NAN;
-        assert_eq!(sentence(4, radiance), "'clear' holds a value that is no number, at texel (2, 1)");
+        assert_eq!(sentence(4, radiance.clone()), "'clear' holds a value that is no number, at texel (2, 1)");
+        radiance[6].y = 1e38;
+        assert_eq!(sentence(4, radiance), "'clear' holds a radiance above 1e12, at texel (2, 1)");
         assert_eq!(sentence(4, vec![Vec3::NEG_ONE; 8]), "'clear' is black everywhere: it lights nothing");
     }
 }

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::environment::MOST_RADIANCE;
 use super::{Environment, ProceduralSky};
 use crate::image_io::{self, RasterImage, ReadImageError, Samples};
 
@@ -35,6 +36,9 @@ pub enum SkyError {
     /// A value is infinite, or no number.
     #[error("'{name}' holds a value that is no number, at texel ({x}, {y})")]
     NotFinite { name: String, x: usize, y: usize },
+    /// A value is beyond all light.
+    #[error("'{name}' holds a radiance above {MOST_RADIANCE:e}, at texel ({x}, {y})")]
+    TooBright { name: String, x: usize, y: usize },
     /// Nothing shines.
     #[error("'{name}' is black everywhere: it lights nothing")]
     Black { name: String },

@@ -1,4 +1,4 @@
-//! What is found of each method, in each cell: a map, seen from a distance, of an exponent.
+//! What is found of each method, in each cell: a map, seen from a distance, of a material.
 
 use serde::Serialize;
 
@@ -34,7 +34,7 @@ pub struct Reference {
     pub temporal_change: Option<f64>,
 }
 
-/// One map at one distance and exponent.
+/// One map at one distance, of one material.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cell {
     /// The map by path or name.
@@ -43,10 +43,23 @@ pub struct Cell {
     pub distance: f32,
     /// The material's exponent; of other models than Blinn-Phong, that of the same width.
     pub exponent: f32,
+    /// The material's BRDF by name.
+    pub brdf: String,
     /// What the methods are held against.
     pub reference: Reference,
     /// What was found, in the order asked for.
     pub methods: Vec<MethodFigures>,
+}
+
+impl Cell {
+    /// Map, distance and material, in words.
+    pub fn title(&self) -> String {
+        let Self { map, distance, exponent, brdf, .. } = self;
+        match brdf.split_once(':') {
+            Some(("blinn-phong", _)) => format!("{map}, distance {distance}, exponent {exponent}"),
+            _ => format!("{map}, distance {distance}, {brdf}, as wide as exponent {exponent:.1}"),
+        }
+    }
 }
 
 /// The means over all cells, the figures of a single one.
@@ -104,7 +117,8 @@ mod tests {
         };
         let reference = Reference { samples_per_pixel: 1024, standard_error: Some(0.5), temporal_change: None };
         let methods = errors.map(figures).to_vec();
-        Cell { map: "waves".to_owned(), distance: 3.0, exponent: 64.0, reference, methods }
+        let brdf = "blinn-phong:64".to_owned();
+        Cell { map: "waves".to_owned(), distance: 3.0, exponent: 64.0, brdf, reference, methods }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::figures::{Cell, MethodFigures, Reference, mean};
 /// The names of a line's fields.
 pub const CSV_HEADER: &str = "map,distance,exponent,method,normalised_color_error,rmse,flip,milliseconds,\
                               bytes_per_texel,samples_per_pixel,standard_error,temporal_change,\
-                              reference_temporal_change";
+                              reference_temporal_change,brdf";
 
 /// The result of a comparison, schema 1. With several cells, `reference` and `methods` are means over all.
 #[derive(Debug, Serialize)]
@@ -48,6 +48,7 @@ pub fn csv_lines(cell: &Cell) -> Vec<String> {
             number(cell.reference.standard_error),
             number(figures.temporal_change),
             number(cell.reference.temporal_change),
+            quoted(&cell.brdf),
         ]
         .join(",")
     };

@@ -38,6 +38,7 @@ impl Findings {
             map: map.to_owned(),
             distance: point.surface.camera.distance,
             exponent: point.surface.material.exponent(),
+            brdf: point.surface.material.brdf_name(),
             reference: self.references[index]?,
             methods: self.methods[index].iter().flatten().cloned().collect(),
         })

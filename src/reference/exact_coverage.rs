@@ -72,7 +72,7 @@ impl Filter for ExactCoverage {
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let reflected = |(index, share): (usize, f64)| {
-            let normal = self.map.normal(index).unwrap_or(Vec3::ZERO);
+            let normal = lookup.turned(self.map.normal(index).unwrap_or(Vec3::ZERO));
             let specular = material.specular_at(normal.dot(light.half_in_tangent));
             let reflected = reflect(material, specular, normal.dot(light.light_in_tangent));
             share * (self.map.color(index) * reflected).as_dvec3()

@@ -12,8 +12,8 @@ use crate::filter::truth::nearest_texel;
 use crate::lit_surface::{LitSurface, SurfacePoint};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
-use crate::scene::Vertex;
 use crate::scene::mesh::Tangents;
+use crate::scene::{Reconstruction, Vertex};
 
 /// The columns and rows of pixels that are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +26,7 @@ struct Window {
 struct ScreenTriangle<'a> {
     corners: [&'a Vertex; 3],
     tangents: [Tangents; 3],
+    reconstruction: Reconstruction,
     /// Where the map is read at each corner.
     uvs: [DVec2; 3],
     /// Takes `(x, y, 1)` to `b_i`.
@@ -106,7 +107,8 @@ impl<'a> ScreenTriangle<'a> {
         let uv_from_surface = surface.shape.uv_from_surface();
         let tangents = corners.map(|corner| corner.tangents(uv_from_surface));
         let uvs = corners.map(|corner| uv_from_surface.as_dmat2() * Vec2::from(corner.uv).as_dvec2());
-        Some(Self { corners, tangents, uvs, coverage_from_pixel, depth_over_w, w })
+        let reconstruction = surface.shape.reconstruction;
+        Some(Self { corners, tangents, reconstruction, uvs, coverage_from_pixel, depth_over_w, w })
     }
 
     /// The pixels it can touch, within `window`.
@@ -168,17 +170,15 @@ impl<'a> ScreenTriangle<'a> {
         let [x, y] = pixel;
         let weights = self.weights(pixel);
         let uv = |pixel| self.uv(pixel);
-        let normal = self.blend(weights, |v| v.normal).normalize_or_zero();
-        let tangent = self.blend_tangents(weights, |frame| frame.tangent);
-        let tangent = (tangent - normal * normal.dot(tangent)).normalize_or_zero();
-        let across = normal.cross(tangent);
-        // A mirrored map makes a left-handed frame.
-        let is_mirrored = self.blend_tangents(weights, |frame| frame.bitangent).dot(across) < 0.0;
+        let frame = self.reconstruction.frame(DMat3::from_cols(
+            self.blend_tangents(weights, |frame| frame.tangent),
+            self.blend_tangents(weights, |frame| frame.bitangent),
+            self.blend(weights, |v| v.normal),
+        ));
         SurfacePoint {
             position_in_world: self.blend(weights, |v| v.position).as_vec3(),
-            tangent_in_world: tangent.as_vec3(),
-            bitangent_in_world: if is_mirrored { -across } else { across }.as_vec3(),
-            normal_in_world: normal.as_vec3(),
+            world_from_tangent: frame.world_from_tangent.as_mat3(),
+            tangent_from_map: frame.tangent_from_map.as_mat3(),
             uv: uv(pixel).as_vec2(),
             uv_dx: (uv([x | 1, y]) - uv([x & !1, y])).as_vec2(),
             uv_dy: (uv([x, y | 1]) - uv([x, y & !1])).as_vec2(),
@@ -253,6 +253,6 @@ mod tests {
         let points: Vec<_> = rasterize(&seen, [64, 48]).into_iter().flatten().collect();
         assert!(points.len() > 500);
         let eye = seen.camera.eye_in_world();
-        assert!(points.iter().all(|p| (eye - p.position_in_world).dot(p.normal_in_world) > -0.05));
+        assert!(points.iter().all(|p| (eye - p.position_in_world).dot(p.world_from_tangent.z_axis) > -0.05));
     }
 }

@@ -21,10 +21,17 @@ use super::tangent_frame::welded;
 
 /// A triangle's derivatives by its texture coordinates, t up; zero where the texture has no area.
 #[derive(Clone, Copy, Debug)]
-struct Derivatives {
+pub(super) struct Derivatives {
     s: DVec3,
     t: DVec3,
     preserves_orientation: bool,
+}
+
+impl Derivatives {
+    /// How far the surface goes per unit of either coordinate.
+    pub(super) fn lengths(&self) -> [f64; 2] {
+        [self.s.length(), self.t.length()]
+    }
 }
 
 /// What a triangle adds to the mean at a vertex: unit vectors in the normal's plane, and the derivatives' lengths.
@@ -74,7 +81,8 @@ fn shared_ids(soup: &Soup) -> Vec<u32> {
     (0..soup.positions.len() as u32).map(|index| *known.entry(key(index as usize)).or_insert(index)).collect()
 }
 
-fn derivatives(soup: &Soup, corners: [u32; 3]) -> Derivatives {
+/// A triangle's derivatives (equations 42 and 43).
+pub(super) fn derivatives(soup: &Soup, corners: [u32; 3]) -> Derivatives {
     let [p1, p2, p3] = corners.map(|index| soup.positions[index as usize].as_dvec3());
     let up = |uv: Vec2| Vec2::new(uv.x, -uv.y).as_dvec2();
     let [t1, t2, t3] = corners.map(|index| up(soup.uvs[index as usize]));
@@ -125,8 +133,7 @@ fn groups(soup: &Soup, ids: &[u32], derivatives: &[Derivatives], around: &[[usiz
 
 fn contribution(derivatives: &Derivatives, normal: DVec3) -> Contribution {
     let laid = |v: DVec3| (v - normal * normal.dot(v)).normalize_or_zero();
-    let Derivatives { s, t, .. } = *derivatives;
-    Contribution { s: laid(s), t: laid(t), lengths: [s.length(), t.length()] }
+    Contribution { s: laid(derivatives.s), t: laid(derivatives.t), lengths: derivatives.lengths() }
 }
 
 fn is_within(a: &Contribution, b: &Contribution, least_cosine: f64) -> bool {

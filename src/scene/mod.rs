@@ -2,12 +2,14 @@
 
 pub mod bump;
 pub mod camera;
+pub mod file_tangents;
 pub mod frame_groups;
 pub mod import;
 pub mod jet;
 pub mod mesh;
 pub mod model;
 pub mod parametric;
+pub mod reconstruction;
 pub mod shapes;
 pub mod soup;
 pub mod sphere_orbit;
@@ -19,6 +21,7 @@ pub use import::ImportError;
 pub use jet::Jet;
 pub use mesh::{Mesh, Vertex};
 pub use model::Model;
+pub use reconstruction::Reconstruction;
 pub use shapes::{Shape, ShapeKind};
 pub use sphere_orbit::SphereOrbit;
 pub use tangent_frame::FrameRule;

@@ -7,6 +7,7 @@ use glam::{DMat2, DVec2, Mat2};
 use super::jet::Jet;
 use super::mesh::{Mesh, Vertex};
 use super::model::Model;
+use super::reconstruction::Reconstruction;
 use super::tangent_frame::FrameRule;
 use super::{parametric, teapot};
 
@@ -47,6 +48,8 @@ pub struct Shape {
     pub mirrored: bool,
     /// The rule of a mesh's frames.
     pub frames: FrameRule,
+    /// What is made of the corners' frames at a pixel between them.
+    pub reconstruction: Reconstruction,
     /// The mesh, where the kind asks for one; a session file names its path.
     #[serde(skip)]
     pub model: Option<Arc<Model>>,
@@ -61,7 +64,8 @@ impl Shape {
         shear: 0.0,
         turn_deg: 0.0,
         mirrored: false,
-        frames: FrameRule::MikkTSpace,
+        frames: FrameRule::File,
+        reconstruction: Reconstruction::Orthonormal,
         model: None,
     };
 }

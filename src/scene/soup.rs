@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 
 /// Checked triangles. Corners share a vertex where position, normal and texture coordinates are the same in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,6 +14,9 @@ pub struct Soup {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, v down.
     pub uvs: Vec<Vec2>,
+    /// Tangents as a file has them, along growing u; the fourth component is the sign of `normal x tangent` up the image,
+    /// 0 where a vertex has none.
+    pub tangents: Vec<Vec4>,
     /// Three vertices each, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// Triangles without area that were left out.
@@ -29,6 +32,8 @@ pub struct Part {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, v down.
     pub uvs: Vec<Vec2>,
+    /// Tangents with the sign of `normal x tangent` up the image, one a vertex, or none at all.
+    pub tangents: Vec<Vec4>,
     /// Three vertices each.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -86,6 +91,7 @@ impl Soup {
         for mut part in parts {
             part.positions.iter_mut().for_each(|p| *p = z_up((*p - center) / reach));
             part.normals.iter_mut().for_each(|n| *n = z_up(*n));
+            part.tangents.iter_mut().for_each(|t| *t = z_up(t.xyz()).extend(t.w));
             soup.dropped += part.drop_without_area();
             soup.append(part.with_normals(missing));
         }
@@ -97,6 +103,8 @@ impl Soup {
         self.positions.extend(part.positions);
         self.normals.extend(part.normals);
         self.uvs.extend(part.uvs);
+        self.tangents.extend(part.tangents);
+        self.tangents.resize(self.positions.len(), Vec4::ZERO);
         self.triangles.extend(part.triangles.into_iter().map(|corners| corners.map(|index| first + index)));
     }
 }
@@ -114,6 +122,7 @@ impl Part {
             ("positions", self.positions.iter().all(|p| p.is_finite())),
             ("normals", self.normals.iter().all(|n| n.is_finite())),
             ("texture coordinates", self.uvs.iter().all(|uv| uv.is_finite())),
+            ("tangents", self.tangents.iter().all(|t| t.is_finite())),
         ];
         finite.iter().find(|(_, is_finite)| !is_finite).map_or(Ok(()), |(what, _)| Err(SoupError::NotFinite(what)))
     }
@@ -152,7 +161,7 @@ impl Part {
         }
     }
 
-    /// Every triangle with vertices of its own, which have its normal.
+    /// Every triangle with vertices of its own, which have its normal; tangents of another normal mean nothing.
     fn flat(&self) -> Self {
         let mut flat = Self::default();
         for &triangle in &self.triangles {
@@ -220,6 +229,7 @@ pub(crate) mod tests {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::NEG_Z],
             normals: Vec::new(),
             uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+            tangents: Vec::new(),
             triangles: vec![[0, 1, 2]],
         }
     }
@@ -271,6 +281,7 @@ pub(crate) mod tests {
             uvs: corners.iter().map(|i| roof.uvs[at(i)]).collect(),
             triangles: (0..corners.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
             normals: Vec::new(),
+            tangents: Vec::new(),
         };
         let smooth = Soup::new(vec![part.clone()], MissingNormals::Smooth).expect("sound");
         let top = |soup: &Soup| {

@@ -10,16 +10,18 @@ use std::str::FromStr;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::Vec3;
 
-use super::frame_groups;
 use super::mesh::{Mesh, Vertex};
 use super::soup::Soup;
+use super::{file_tangents, frame_groups};
 
-/// Which rule makes a mesh's frames. Written `mikktspace`, `grouped` or `grouped:DEGREES`.
+/// Which rule makes a mesh's frames. Written `file`, `mikktspace`, `grouped` or `grouped:DEGREES`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum FrameRule {
-    /// MikkTSpace, the standard.
+    /// Those that the file brings, as glTF may; MikkTSpace's where it brings none, as glTF asks for.
     #[default]
+    File,
+    /// MikkTSpace, the standard.
     MikkTSpace,
     /// Groups by the thesis's four rules; derivatives further apart than the threshold are not averaged.
     Grouped {
@@ -30,7 +32,7 @@ pub enum FrameRule {
 
 /// A name that is no rule's.
 #[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
-#[error("'{0}' is no rule for frames: write mikktspace, grouped or grouped:DEGREES with 0 to 180 degrees")]
+#[error("'{0}' is no rule for frames: write file, mikktspace, grouped or grouped:DEGREES with 0 to 180 degrees")]
 pub struct ParseFrameRuleError(String);
 
 impl FromStr for FrameRule {
@@ -39,6 +41,7 @@ impl FromStr for FrameRule {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let degrees = |text: &str| text.parse().ok().filter(|degrees| (0.0..=180.0).contains(degrees));
         let threshold = match text {
+            "file" => return Ok(Self::File),
             "mikktspace" => return Ok(Self::MikkTSpace),
             "grouped" => Some(180.0),
             _ => text.strip_prefix("grouped:").and_then(degrees),
@@ -65,6 +68,7 @@ impl From<FrameRule> for String {
 impl fmt::Display for FrameRule {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::File => formatter.write_str("file"),
             Self::MikkTSpace => formatter.write_str("mikktspace"),
             Self::Grouped { threshold_deg } => write!(formatter, "grouped:{threshold_deg}"),
         }
@@ -75,21 +79,48 @@ impl FrameRule {
     /// The mesh of a soup of triangles with this rule's frames.
     pub fn mesh(self, soup: &Soup) -> Mesh {
         match self {
+            Self::File => file_tangents::of_file(soup),
             Self::MikkTSpace => mikktspace(soup),
             Self::Grouped { threshold_deg } => frame_groups::grouped(soup, threshold_deg),
         }
     }
 }
 
+/// A corner's frame: what a vertex is made of beside the soup.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CornerFrame {
+    /// Along growing u, of any length.
+    pub tangent: Vec3,
+    /// How far the surface goes per unit of u and of v.
+    pub lengths: [f32; 2],
+    /// 1, or -1 where the texture is mirrored.
+    pub orientation: f32,
+}
+
+impl From<TangentSpace> for CornerFrame {
+    fn from(frame: TangentSpace) -> Self {
+        Self {
+            tangent: frame.tangent().into(),
+            lengths: [frame.tangent_magnitude(), frame.bi_tangent_magnitude()],
+            orientation: if frame.is_orientation_preserving() { 1.0 } else { -1.0 },
+        }
+    }
+}
+
 /// The mesh of a soup of triangles with MikkTSpace's frames; equal corners share a vertex.
 pub fn mikktspace(soup: &Soup) -> Mesh {
+    let corners = soup.triangles.iter().flatten();
+    welded(corners.zip(mikktspace_frames(soup)).map(|(&index, frame)| vertex(soup, index, frame)))
+}
+
+/// MikkTSpace's frame of every corner, triangle by triangle; none where the texture has no direction.
+pub(super) fn mikktspace_frames(soup: &Soup) -> Vec<Option<CornerFrame>> {
     let mut frames = Frames { soup, of_corners: vec![None; 3 * soup.triangles.len()] };
     if let Err(error) = generate_tangents(&mut frames) {
         // The library knows no error yet; corners without a frame get any.
         log::warn!("no tangent frames: {error}");
     }
-    let corners = soup.triangles.iter().flatten();
-    welded(corners.zip(&frames.of_corners).map(|(&index, frame)| vertex(soup, index, frame.as_ref())))
+    frames.of_corners.into_iter().map(|frame| frame.map(CornerFrame::from)).collect()
 }
 
 struct Frames<'a> {
@@ -130,19 +161,14 @@ impl Geometry for Frames<'_> {
     }
 }
 
-/// A corner with its frame. The bitangent is MikkTSpace's, `normal x tangent` with the sign of the orientation; where
-/// it found no frame, the texture has no direction there and any will do.
-fn vertex(soup: &Soup, index: u32, frame: Option<&TangentSpace>) -> Vertex {
+/// A corner with its frame. The bitangent is `normal x tangent` with the sign of the orientation, as MikkTSpace and glTF
+/// have it; without a frame the texture has no direction there and any will do.
+pub(super) fn vertex(soup: &Soup, index: u32, frame: Option<CornerFrame>) -> Vertex {
     let index = index as usize;
     let normal = soup.normals[index];
-    let (tangent, lengths, orientation) = match frame {
-        Some(frame) => {
-            let orientation = if frame.is_orientation_preserving() { 1.0 } else { -1.0 };
-            let lengths = [frame.tangent_magnitude(), frame.bi_tangent_magnitude()];
-            (Vec3::from(frame.tangent()).normalize_or(normal.any_orthonormal_vector()), lengths, orientation)
-        }
-        None => (normal.any_orthonormal_vector(), [1.0; 2], 1.0),
-    };
+    let any = CornerFrame { tangent: normal.any_orthonormal_vector(), lengths: [1.0; 2], orientation: 1.0 };
+    let CornerFrame { tangent, lengths, orientation } = frame.unwrap_or(any);
+    let tangent = tangent.normalize_or(any.tangent);
     let bitangent = orientation * normal.cross(tangent).normalize_or_zero();
     Vertex {
         position: soup.positions[index].to_array(),
@@ -201,7 +227,7 @@ mod tests {
 
     #[test]
     fn a_rule_reads_back_as_it_is_written() {
-        for rule in [FrameRule::MikkTSpace, FrameRule::Grouped { threshold_deg: 22.5 }] {
+        for rule in [FrameRule::File, FrameRule::MikkTSpace, FrameRule::Grouped { threshold_deg: 22.5 }] {
             assert_eq!(rule.to_string().parse(), Ok(rule));
         }
         assert!("grouped:200".parse::<FrameRule>().is_err() && "other".parse::<FrameRule>().is_err());

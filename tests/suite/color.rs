@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use ndf_inspector::brdf::Material;
 use ndf_inspector::export::lobes_exr::{FittedLobes, read_bytes, write};
 use ndf_inspector::filter::vmf::{Alignment, FitSettings, Fold, LobePyramid, Objective, Rules};
@@ -35,7 +35,7 @@ fn seen_from(filter: &dyn Filter, side: f32) -> Vec3 {
     let direction = Vec3::new(side * 0.7, 0.0, 0.714).normalize();
     let light = LocalLight { light_in_tangent: direction, half_in_tangent: direction };
     let footprint = PixelFootprint { dx: Vec2::X, dy: Vec2::Y, ..PixelFootprint::default() };
-    let lookup = Lookup { uv: Vec2::splat(0.5), footprint, lod: 5.0, pixel: [3, 4] };
+    let lookup = Lookup { uv: Vec2::splat(0.5), footprint, lod: 5.0, pixel: [3, 4], tangent_from_map: Mat3::IDENTITY };
     let white = Material { diffuse_color: Vec3::ONE, specular_color: Vec3::ONE, ..Material::default() };
     filter.shade(&lookup, &light, &white)
 }

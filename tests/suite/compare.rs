@@ -101,11 +101,37 @@ fn every_cell_of_a_folder_its_distances_and_exponents_has_its_figures() {
     let csv = std::fs::read_to_string(folder.path().join("t.csv")).expect("written");
     assert_eq!(csv.lines().count(), 1 + 8 * 2);
     assert!(csv.starts_with("map,distance,exponent,method,normalised_color_error,rmse,flip,"));
-    assert!(csv.lines().all(|line| line.split(',').count() == 13), "{csv}");
+    assert!(csv.lines().all(|line| line.split(',').count() == 14), "{csv}");
     let sheet = image::open(folder.path().join("s.png")).expect("a PNG").to_rgb8();
     assert!(sheet.width() >= 3 * 64 && sheet.height() >= 8 * 40, "{} x {}", sheet.width(), sheet.height());
     let colors: std::collections::HashSet<_> = sheet.pixels().collect();
     assert!(colors.len() > 100, "pictures and letters");
+}
+
+#[test]
+fn every_model_of_every_width_and_every_material_by_name_has_its_cells() {
+    let folder = folder();
+    flat(&folder);
+    let more = ["--methods", "mip", "--samples", "2", "--exponents", "8,128", "--csv", "t.csv"];
+    let models = ["--models", "blinn-phong,torrance-sparrow,ggx", "--brdfs", "torrance-sparrow:0.05,ggx:0.2"];
+    let report = compare(&folder, &[&["flat.png"], &more[..], &models[..]].concat());
+    let cells = report["cells"].as_array().expect("cells");
+    let names: Vec<&str> = cells.iter().filter_map(|cell| cell["brdf"].as_str()).collect();
+    assert_eq!(names.len(), 8);
+    assert_eq!((names[0], names[1], names[3]), ("blinn-phong:8", "torrance-sparrow:0.25", "blinn-phong:128"));
+    assert_eq!(names[6..], ["torrance-sparrow:0.05", "ggx:0.2"]);
+    assert!(names[2].starts_with("ggx:0.52") && names[5].starts_with("ggx:0.15"), "{names:?}");
+    for (cell, exponent) in cells.iter().zip([8.0, 8.0, 8.0, 128.0, 128.0, 128.0, 200.0]) {
+        assert!((number(&cell["exponent"]) / exponent - 1.0).abs() < 1e-4, "{cell}");
+    }
+    let csv = std::fs::read_to_string(folder.path().join("t.csv")).expect("written");
+    assert!(csv.lines().nth(2).is_some_and(|line| line.ends_with(",torrance-sparrow:0.25")), "{csv}");
+    let text = run(&folder, &[&["compare", "flat.png", "--size", "32x32"], &more[..6], &models[..2]].concat());
+    let text = String::from_utf8_lossy(&text.stdout);
+    assert!(text.contains("mean colour error by material") && text.contains("\ntorrance-sparrow:0.25 "), "{text}");
+    for wrong in [["--models", "ggx"], ["--brdfs", "ggx:2"]] {
+        assert_eq!(run(&folder, &[&["compare", "flat.png"], &wrong[..]].concat()).status.code(), Some(2), "{wrong:?}");
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Mat3, Vec2, Vec3};
 use ndf_inspector::brdf::{BlinnPhong, Brdf, Material};
 use ndf_inspector::filter::gmm::{self, PlanarGaussian};
 use ndf_inspector::filter::rival::Source;
@@ -88,7 +88,13 @@ fn stored_harmonics_shade_as_the_sum_over_the_footprint() {
     for texel in middles(&map).filter(|texel| texel.level > 0) {
         let size = map.level_sizes()[texel.level];
         let uv = (Vec2::new(texel.x as f32, texel.y as f32) + 0.5) / Vec2::new(size.0 as f32, size.1 as f32);
-        let lookup = Lookup { uv, footprint: PixelFootprint::default(), lod: texel.level as f32, pixel: [0, 0] };
+        let lookup = Lookup {
+            uv,
+            footprint: PixelFootprint::default(),
+            lod: texel.level as f32,
+            pixel: [0, 0],
+            tangent_from_map: Mat3::IDENTITY,
+        };
         let cosine = Ndf::of_texel(&map, texel).mean().normalize().dot(half.as_dvec3());
         let expected = filter.effective_brdf(texel, brdf, half.as_dvec3()) * cosine;
         let shaded = f64::from(filter.shade(&lookup, &light, &specular).x);
@@ -197,7 +203,13 @@ fn every_rival_is_finite_over_invalid_steep_and_buried_normals() {
                 assert!(value.is_finite(), "{rival} {texel} {omega}: {value}");
             }
             let lod = texel.level as f32 + 0.3;
-            let lookup = Lookup { uv: Vec2::splat(0.37), footprint: PixelFootprint::default(), lod, pixel: [0, 0] };
+            let lookup = Lookup {
+                uv: Vec2::splat(0.37),
+                footprint: PixelFootprint::default(),
+                lod,
+                pixel: [0, 0],
+                tangent_from_map: Mat3::IDENTITY,
+            };
             let color = filter.shade(&lookup, &light, &Material::default());
             assert!(color.is_finite(), "{rival} at {lod}: {color}");
         }

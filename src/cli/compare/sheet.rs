@@ -106,8 +106,7 @@ fn paint(painter: &egui::Painter, layout: Layout, rows: usize, measured: &[Row],
     painter.rect_filled(Rect::EVERYTHING, 0.0, BACKGROUND);
     for (block, (measured, textures)) in measured.iter().zip(textures).enumerate() {
         let cell = &measured.cell;
-        let title = format!("{}, distance {}, exponent {}", cell.map, cell.distance, cell.exponent);
-        write(painter, layout.corner(0, block, rows), &title);
+        write(painter, layout.corner(0, block, rows), &cell.title());
         let standard_error = figure(cell.reference.standard_error);
         let methods = cell.methods.iter().map(|found| (&found.method[..], figure(found.normalised_color_error)));
         let labels = std::iter::once(("truth, standard error", standard_error)).chain(methods);

@@ -1,19 +1,36 @@
 //! The figures as text.
 
+use std::collections::HashSet;
+
 use crate::measure::figures::{Cell, MethodFigures, Reference, lowest_in, mean};
 
 /// The figures as a table for each cell, then the means over all.
 pub fn text(cells: &[Cell]) -> String {
-    let tables = cells.iter().map(|cell| {
-        let title = format!("{}, distance {}, exponent {}", cell.map, cell.distance, cell.exponent);
-        table(&title, &cell.reference, &cell.methods, None)
-    });
+    let tables = cells.iter().map(|cell| table(&cell.title(), &cell.reference, &cell.methods, None));
     let mut text: Vec<String> = tables.collect();
+    text.extend(by_material(cells));
     if let (2.., Some((reference, methods))) = (cells.len(), mean(cells)) {
         let title = format!("mean over {} cells", cells.len());
         text.push(table(&title, &reference, &methods, Some(&lowest_in(cells))));
     }
     text.join("\n")
+}
+
+/// The mean colour error by material and method; `None` where there is one material.
+fn by_material(cells: &[Cell]) -> Option<String> {
+    let mut brdfs: Vec<&str> = cells.iter().map(|cell| cell.brdf.as_str()).collect();
+    let mut seen = HashSet::new();
+    brdfs.retain(|brdf| seen.insert(*brdf));
+    let methods = cells.first().filter(|_| brdfs.len() > 1)?.methods.iter();
+    let header: String = methods.map(|figures| format!(" {:>16}", figures.method)).collect();
+    let line = |brdf: &&str| {
+        let own: Vec<Cell> = cells.iter().filter(|cell| cell.brdf == **brdf).cloned().collect();
+        let (_, methods) = mean(&own)?;
+        let errors = methods.iter().map(|figures| format!(" {:>16}", figure(figures.normalised_color_error)));
+        Some(format!("{brdf:<28}{}\n", errors.collect::<String>()))
+    };
+    let lines: String = brdfs.iter().filter_map(line).collect();
+    Some(format!("mean colour error by material\n{:<28}{header}\n{lines}", "material"))
 }
 
 fn table(title: &str, reference: &Reference, methods: &[MethodFigures], lowest: Option<&[usize]>) -> String {

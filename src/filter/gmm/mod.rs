@@ -102,6 +102,10 @@ impl Filter for Gmm {
         Box::new(move |omega| effective_brdf(&mixture.gaussians, brdf, omega))
     }
 
+    fn mean_normal(&self, lookup: &Lookup) -> Option<Vec3> {
+        Some(self.mip.mean(lookup))
+    }
+
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let taps = self.gaussians.taps(lookup);
         let variance = 1.0 / f64::from(material.exponent());

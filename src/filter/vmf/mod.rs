@@ -176,9 +176,10 @@ impl VmfFilter {
 
 impl Slots {
     /// What the lobes reflect together.
-    fn shade(&self, light: &LocalLight, material: &Material) -> Vec3 {
+    fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
         let filled = self.0.iter().filter(|(stored, _)| stored.x > EMPTY_WEIGHT);
-        filled.map(|&(stored, color)| color / stored.x * shade_lobe(stored, light, material)).sum()
+        let turned = |stored: glam::Vec4| lookup.turned(stored.yzw()).extend(stored.x).wxyz();
+        filled.map(|&(stored, color)| color / stored.x * shade_lobe(turned(stored), light, material)).sum()
     }
 }
 
@@ -212,7 +213,8 @@ impl Filter for VmfFilter {
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
-        trilinear(lookup.lod, self.lobes.levels(), |level| self.slots_at(lookup.uv, level)).shade(light, material)
+        trilinear(lookup.lod, self.lobes.levels(), |level| self.slots_at(lookup.uv, level))
+            .shade(lookup, light, material)
     }
 
     fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3 {
@@ -226,7 +228,7 @@ impl Filter for UnalignedVmf {
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {
-        let of_texel = |level, (index, weight)| weight * self.0.slots_of(level, index).shade(light, material);
+        let of_texel = |level, (index, weight)| weight * self.0.slots_of(level, index).shade(lookup, light, material);
         trilinear(lookup.lod, self.0.lobes.levels(), |level| {
             self.0.grid(level).bilinear(lookup.uv).into_iter().map(|tap| of_texel(level, tap)).sum::<Vec3>()
         })

@@ -14,7 +14,7 @@ use crate::gpu::surface_pipelines::{SurfacePipelines, Variant};
 use crate::gpu::textures::MapTextures;
 use crate::lighting::{Light, MAX_LIGHTS};
 use crate::lit_surface::LitSurface;
-use crate::scene::{Mesh, Shape};
+use crate::scene::{Mesh, Reconstruction, Shape};
 
 /// The format of the pictures: 32-bit floats, which means of many samples need, bit for bit in unsigned integers, which
 /// every adapter can draw to.
@@ -23,7 +23,7 @@ pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shader's parts, in order.
-pub const SHADER: [&str; 15] = [
+pub const SHADER: [&str; 16] = [
     layout::VMF,
     layout::BLINN_PHONG,
     layout::TORRANCE_SPARROW,
@@ -36,6 +36,7 @@ pub const SHADER: [&str; 15] = [
     layout::PROBES,
     layout::SAMPLING,
     layout::TRUTH,
+    layout::RECONSTRUCTION,
     layout::LAT_LONG,
     layout::SKY,
     include_str!("../../../shaders/surface.wgsl"),
@@ -80,8 +81,8 @@ pub struct FrameData {
     pub most_probes: u32,
     /// Lights in use.
     pub light_count: u32,
-    /// Nothing.
-    pub padding: u32,
+    /// How the frame at a pixel is reconstructed, by the shader's number.
+    pub reconstruction: u32,
     /// Nothing.
     pub more_padding: [u32; 2],
     /// Which slot each slot is added to.
@@ -125,6 +126,11 @@ impl FrameData {
                 LevelChoice::Fixed(_) => 2,
             },
             most_probes: surface.level_rule().most_probes,
+            reconstruction: match surface.shape.reconstruction {
+                Reconstruction::Orthonormal => 0,
+                Reconstruction::Projected => 1,
+                Reconstruction::Interpolated => 2,
+            },
             uv_from_surface: surface.shape.uv_from_surface().to_cols_array_2d(),
             ..Self::default()
         }

@@ -1,4 +1,5 @@
-//! glTF 2.0 and GLB: y up, texture coordinates with v down, flat where it brings no normals.
+//! glTF 2.0 and GLB: y up, texture coordinates with v down, flat where it brings no normals. Tangents are taken up where
+//! there are normals too (Khronos 2021, section 3.7.2.1): the bitangent is `normal x tangent` times their w.
 //!
 //! Every triangle of the default scene is taken, each node in its place; a node that mirrors its mesh has its triangles
 //! turned round, so that they still face outward. Lines, points, strips, skins and animation are passed over.
@@ -9,7 +10,7 @@ use std::path::Path;
 use ::gltf::accessor::{DataType, Dimensions};
 use ::gltf::buffer::{Data, Source};
 use ::gltf::{Accessor, Document, Error, Gltf, Material, Node, Primitive, Semantic, image};
-use glam::{Mat3, Mat4, Vec2, Vec3};
+use glam::{Mat3, Mat4, Vec2, Vec3, Vec4, Vec4Swizzles};
 
 use super::{ImportError, Imported, MAX_TRIANGLES, name, read_file, soup};
 use crate::scene::soup::{MissingNormals, Part};
@@ -165,8 +166,9 @@ fn part(path: &Path, primitive: &Primitive<'_>, place: Mat4, buffers: &[Data]) -
     let indices_are_sound = primitive
         .indices()
         .is_none_or(|accessor| is_sound(&accessor, Dimensions::Scalar, &[DataType::U8, DataType::U16, DataType::U32]));
-    let vectors_are_sound =
-        floats(Semantic::Positions, Dimensions::Vec3) && floats(Semantic::Normals, Dimensions::Vec3);
+    let vectors_are_sound = floats(Semantic::Positions, Dimensions::Vec3)
+        && floats(Semantic::Normals, Dimensions::Vec3)
+        && floats(Semantic::Tangents, Dimensions::Vec4);
     if !(vectors_are_sound && uvs_are_sound && indices_are_sound) {
         return Err(damaged(path, "an accessor is of a type that its use does not allow"));
     }
@@ -174,21 +176,31 @@ fn part(path: &Path, primitive: &Primitive<'_>, place: Mat4, buffers: &[Data]) -
     let beyond = || damaged(path, "an accessor reaches beyond its buffer");
     let positions: Vec<[f32; 3]> = reader.read_positions().ok_or_else(beyond)?.collect();
     let normals: Vec<[f32; 3]> = reader.read_normals().map(Iterator::collect).unwrap_or_default();
+    let tangents: Vec<Vec4> = reader.read_tangents().map(|all| all.map(Vec4::from).collect()).unwrap_or_default();
     let uvs = reader.read_tex_coords(uv_set).map(|uvs| uvs.into_f32().map(Vec2::from).collect());
     let indices: Vec<u32> = match reader.read_indices() {
         Some(indices) => indices.into_u32().collect(),
         None if primitive.indices().is_some() => return Err(beyond()),
         None => (0..positions.len() as u32).collect(),
     };
-    let normal_place = Mat3::from_mat4(place).inverse().transpose();
     let is_mirrored = place.determinant() < 0.0;
+    let normal_place = cofactor(Mat3::from_mat4(place)) * if is_mirrored { -1.0 } else { 1.0 };
+    // Tangents lie in the surface and go along with it; a mirror turns the side of the bitangent.
+    let side = if is_mirrored { -1.0 } else { 1.0 };
+    let placed = |t: Vec4| place.transform_vector3(t.xyz()).extend(side * t.w);
     let corners = indices.chunks_exact(3).map(|c| if is_mirrored { [c[0], c[2], c[1]] } else { [c[0], c[1], c[2]] });
     Ok(Part {
         triangles: corners.collect(),
         positions: positions.into_iter().map(|p| place.transform_point3(p.into())).collect(),
         normals: normals.into_iter().map(|n| normal_place * Vec3::from(n)).collect(),
         uvs: uvs.unwrap_or_default(),
+        tangents: tangents.into_iter().map(placed).collect(),
     })
+}
+
+/// The inverse transposed times the determinant, which takes normals along where a node flattens its mesh, too.
+fn cofactor(m: Mat3) -> Mat3 {
+    Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
 /// Which of the texture coordinates the map is laid by.

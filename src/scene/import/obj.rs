@@ -35,6 +35,7 @@ fn part(mesh: &tobj::Mesh) -> Part {
         positions: triples(&mesh.positions).map(Vec3::from).collect(),
         normals: triples(&mesh.normals).map(Vec3::from).collect(),
         uvs: mesh.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0], 1.0 - uv[1])).collect(),
+        tangents: Vec::new(),
         triangles: triples(&mesh.indices).collect(),
     }
 }

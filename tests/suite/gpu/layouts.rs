@@ -55,7 +55,7 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         level_choice,
         most_probes,
         light_count,
-        padding,
+        reconstruction,
         more_padding,
         fold,
         lights,

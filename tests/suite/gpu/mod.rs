@@ -2,11 +2,14 @@
 
 mod context;
 mod frames;
+mod frames_per_pixel;
 mod groove;
 mod layouts;
 mod limits;
 pub mod maps;
 mod models;
+mod pictures;
+mod probes;
 mod sky;
 mod truth;
 mod twins;

@@ -29,7 +29,7 @@ fn sky(color: impl Fn(glam::DVec3) -> Vec3) -> Sky {
 }
 
 /// Coloured, brighter above, with a window that is much brighter.
-fn uneven() -> Sky {
+pub(super) fn uneven() -> Sky {
     sky(|direction| {
         let window = direction.dot(glam::DVec3::new(-0.4, 0.5, 0.7)) > 0.9;
         Vec3::new(0.3, 0.4, 0.5) * (1.2 + direction.z as f32)

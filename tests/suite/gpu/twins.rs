@@ -1,6 +1,6 @@
 //! The adapter's pictures equal the processor's.
 
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::color::srgb8_from_linear;
 use ndf_inspector::comparison::ShownMethod;
@@ -12,7 +12,7 @@ use ndf_inspector::filter::{
 use ndf_inspector::gpu::{FrameBudget, FrameInput, PICTURE_FORMAT, SurfaceFrame};
 use ndf_inspector::lighting::Light;
 use ndf_inspector::normal_map::Addressing;
-use ndf_inspector::reference::{self, Picture, normalised_color_error};
+use ndf_inspector::reference::{self, Picture};
 use ndf_inspector::scene::{Model, Shape, ShapeKind};
 use std::sync::Arc;
 
@@ -186,7 +186,13 @@ fn at_a_texel_centre_unaligned_shading_is_aligned_shading_and_between_two_it_is_
     let material = scene.surface.material;
     let at = |filter: &dyn Filter, x: f32| {
         let uv = Vec2::new((x + 0.5) / 16.0, 3.5 / 16.0);
-        let lookup = Lookup { uv, footprint: PixelFootprint::default(), lod: 2.0, pixel: [3, 4] };
+        let lookup = Lookup {
+            uv,
+            footprint: PixelFootprint::default(),
+            lod: 2.0,
+            pixel: [3, 4],
+            tangent_from_map: Mat3::IDENTITY,
+        };
         filter.shade(&lookup, &light, &material)
     };
     for x in 0..15 {
@@ -325,68 +331,6 @@ fn a_fixed_level_has_a_twin_whole_or_between_two() {
     }
 }
 
-/// A plane seen at a grazing angle: footprints many times as long as wide.
-fn grazing(choice: LevelChoice, anisotropy: u32) -> Scene {
-    let map = maps::with_color(maps::rough(64, 64, Addressing::Wrap), maps::any_color);
-    let mut scene = Scene::new(map, 6);
-    scene.surface.shape.tiling = [3.0, 3.0];
-    (scene.surface.camera.azimuth_deg, scene.surface.camera.elevation_deg) = (25.0, 14.0);
-    (scene.surface.level, scene.surface.anisotropy) = (choice, anisotropy);
-    scene
-}
-
-#[test]
-fn probes_along_a_long_footprint_have_a_twin() {
-    for (choice, anisotropy) in
-        [(LevelChoice::Auto, 5), (LevelChoice::Auto, 16), (LevelChoice::Hardware, 1), (LevelChoice::Hardware, 16)]
-    {
-        let scene = grazing(choice, anisotropy);
-        for method in methods().filter(|&method| method != Method::Truth) {
-            assert_twins(&scene, method, &format!("{method} with {anisotropy} probes, {choice:?}"));
-        }
-    }
-}
-
-#[test]
-fn more_probes_bring_a_grazing_plane_nearer_the_truth_and_leave_the_truth_alone() {
-    let truth = on_adapter(&grazing(LevelChoice::Auto, 1), Method::Truth);
-    assert!(truth == on_adapter(&grazing(LevelChoice::Auto, 16), Method::Truth));
-    for method in [Method::Vmf, Method::VmfUnaligned] {
-        let error = |probes| {
-            let picture = on_adapter(&grazing(LevelChoice::Auto, probes), method);
-            reference::normalised_color_error(&picture, &truth).expect("the surface is seen")
-        };
-        let errors = [1, 4, 16].map(error);
-        println!("{method}: {errors:?}");
-        assert!(errors[1] < 0.8 * errors[0] && errors[2] < errors[1], "{method}: {errors:?}");
-    }
-}
-
-/// Han et al. 2007, figure 3: harmonics to l = 2 of a Lambertian plane that runs into the distance. Measured by 1 and by
-/// 16 probes: .132 and .056 by harmonics, .147 and .040 by the mean normal. What bands beyond the second hold of a clamped
-/// cosine stays.
-#[test]
-fn probes_let_harmonics_and_mean_normals_gain_on_a_grazing_lambertian_plane() {
-    let scene = |probes| {
-        let mut scene = grazing(LevelChoice::Auto, probes);
-        (scene.surface.material.specular, scene.surface.material.diffuse) = (0.0, 1.0);
-        scene.surface.camera.elevation_deg = 8.0;
-        scene
-    };
-    let truth = on_adapter(&scene(1), Method::Truth);
-    let errors = |name: &str| {
-        let method = Method::Rival(Rival::parse(name).expect("a rival"));
-        let error = |probes| normalised_color_error(&on_adapter(&scene(probes), method), &truth).expect("seen");
-        let errors = [1, 2, 4, 8, 16].map(error);
-        println!("{name} by 1, 2, 4, 8 and 16 probes: {errors:.4?}");
-        errors
-    };
-    for errors in [errors("sh:2"), errors("mip")] {
-        assert!(errors.windows(2).all(|pair| pair[1] < pair[0] + 1e-3), "{errors:?}");
-        assert!(errors[4] < 0.8 * errors[0], "{errors:?}");
-    }
-}
-
 #[test]
 fn a_flat_map_gives_the_same_picture_by_every_method_at_every_level() {
     let flat = maps::map(16, 16, Addressing::Wrap, |_, _| Vec3::Z);
@@ -419,7 +363,13 @@ fn at_a_texel_centre_of_level_0_every_method_gives_the_unfiltered_shading() {
     };
     for texel in 0..64 {
         let uv = (Vec2::new((texel % 8) as f32, (texel / 8) as f32) + 0.5) / 8.0;
-        let lookup = Lookup { uv, footprint: PixelFootprint::default(), lod: 0.0, pixel: [3, 4] };
+        let lookup = Lookup {
+            uv,
+            footprint: PixelFootprint::default(),
+            lod: 0.0,
+            pixel: [3, 4],
+            tangent_from_map: Mat3::IDENTITY,
+        };
         let truth = Truth { map: scene.map().clone(), samples: 1 }.shade(&lookup, &light, &material);
         for filter in [&*scene.mip as &dyn Filter, &vmf] {
             let shaded = filter.shade(&lookup, &light, &material);

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use ndf_inspector::image_io::png_rgb8;
 use ndf_inspector::normal_map::MapOptions;
 use ndf_inspector::scene::{FrameRule, Mesh, Model, import};
@@ -150,6 +150,101 @@ fn a_node_that_mirrors_its_mesh_leaves_it_facing_outward() {
         assert!((q - p).cross(r - p).dot(a.normal.into()) > 0.0);
         assert!(a.normal[2] > 0.5, "the roof still faces up");
     }
+}
+
+/// The roof as a GLB file with tangents, which its node puts in its place.
+fn with_tangents(folder: &Path, roof: &Roof, tangents: &[Vec4], node: &[(&str, Value)]) -> Model {
+    let (mut document, mut buffer) = (roof.document(), roof.buffer());
+    let at = buffer.len();
+    buffer.extend(tangents.iter().flat_map(|tangent| tangent.to_array()).flat_map(f32::to_le_bytes));
+    document["buffers"][0]["byteLength"] = json!(buffer.len());
+    let views = document["bufferViews"].as_array_mut().expect("views");
+    views.push(json!({"buffer": 0, "byteOffset": at, "byteLength": buffer.len() - at}));
+    let accessors = document["accessors"].as_array_mut().expect("accessors");
+    accessors.push(json!({"bufferView": 4, "componentType": 5126, "count": tangents.len(), "type": "VEC4"}));
+    document["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = json!(4);
+    for (key, value) in node {
+        document["nodes"][0][key] = value.clone();
+    }
+    Model::read(&write_glb(folder, &document, &buffer)).expect("sound")
+}
+
+/// Along the surface, turned by 0.4 from growing x: what no rule would find. The bitangent on either side.
+fn turned_tangents(roof: &Roof) -> Vec<Vec4> {
+    let tangent = |(index, normal): (usize, &Vec3)| {
+        let across = Vec3::Z.cross(*normal).normalize();
+        let turned = 0.4_f32.cos() * across + 0.4_f32.sin() * normal.cross(across);
+        turned.extend(if index % 3 == 0 { -1.0 } else { 1.0 })
+    };
+    roof.normals.iter().enumerate().map(tangent).collect()
+}
+
+#[test]
+fn a_node_that_flattens_its_mesh_leaves_its_normals_across_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let roof = Roof::new(4);
+    let mut document = roof.document();
+    document["nodes"][0]["scale"] = json!([1.0, 0.0, 1.0]);
+    let model = Model::read(&write_glb(folder.path(), &document, &roof.buffer())).expect("sound");
+    assert!(mesh(&model).vertices.iter().all(|vertex| vertex.normal == [0.0, 0.0, 1.0] && vertex.position[2] == 0.0));
+}
+
+#[test]
+fn a_gltfs_own_tangents_are_taken_up_with_their_side_and_its_nodes_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let roof = Roof::new(8);
+    let tangents = turned_tangents(&roof);
+    // From glTF's axes to the program's, after the node's own place.
+    let z_up = |v: Vec3| Vec3::new(v.x, -v.z, v.y);
+    for mirror in [1.0_f32, -1.0] {
+        let place = |v: Vec3| z_up(v * Vec3::new(mirror, 1.0, 1.0));
+        let model = with_tangents(folder.path(), &roof, &tangents, &[("scale", json!([2.0 * mirror, 2.0, 2.0]))]);
+        let (own, mut known) = (mesh(&model), 0);
+        for vertex in &own.vertices {
+            let normal = Vec3::from(vertex.normal);
+            let found = |index: &usize| {
+                let (position, size) = (place(roof.positions[*index]), Vec3::new(1.0, 0.0, 0.0).length());
+                // The model is brought to the unit sphere around its middle.
+                (position.truncate().normalize_or_zero() - Vec3::from(vertex.position).truncate().normalize_or_zero())
+                    .length()
+                    < 1e-4 * size
+                    && (place(roof.normals[*index]) - normal).length() < 1e-4
+                    && (roof.uvs[*index] - Vec2::from(vertex.uv)).length() < 1e-6
+            };
+            let Some(index) = (0..roof.positions.len()).find(found) else { continue };
+            let frame = vertex.tangents(glam::Mat2::IDENTITY);
+            let tangent = tangents[index];
+            // bitangent = w (normal x tangent) in the file's own space, which the node's mirror turns round.
+            let bitangent = tangent.w * roof.normals[index].cross(tangent.truncate());
+            assert!((frame.tangent - place(tangent.truncate())).length() < 1e-4, "{mirror}: {vertex:?}");
+            assert!((frame.bitangent - place(bitangent)).length() < 1e-4, "{mirror}: {vertex:?}");
+            known += 1;
+        }
+        assert!(known > 60, "{known} of {}", own.vertices.len());
+        assert_ne!(own, model.mesh(FrameRule::MikkTSpace), "MikkTSpace finds others");
+    }
+}
+
+#[test]
+fn tangents_without_normals_are_passed_over_and_a_broken_one_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let roof = Roof::new(4);
+    let mut tangents = turned_tangents(&roof);
+    let model = with_tangents(folder.path(), &roof, &tangents, &[]);
+    assert!(model.soup.tangents.iter().all(|tangent| tangent.w != 0.0));
+    let mut document = roof.document();
+    let attributes = document["meshes"][0]["primitives"][0]["attributes"].as_object_mut().expect("attributes");
+    attributes.remove("NORMAL");
+    attributes.insert("TANGENT".to_owned(), json!(4));
+    let accessors = document["accessors"].as_array_mut().expect("accessors");
+    // Any numbers do: they are not read.
+    accessors.push(json!({"bufferView": 0, "componentType": 5126, "count": roof.positions.len() / 2, "type": "VEC4"}));
+    let flat = Model::read(&write_glb(folder.path(), &document, &roof.buffer())).expect("sound");
+    assert_eq!(flat.mesh(FrameRule::File), flat.mesh(FrameRule::MikkTSpace));
+    tangents[3].y = f32::NAN;
+    let broken = std::panic::catch_unwind(|| with_tangents(folder.path(), &roof, &tangents, &[]));
+    let message = broken.expect_err("refused").downcast::<String>().expect("a sentence");
+    assert!(message.contains("tangents") && message.contains("NotFinite"), "{message}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ mod doctor;
 mod exports;
 mod live_figures;
 mod materials;
-mod pictures;
+pub mod pictures;
 mod real;
 mod scripts;
 mod seeing;

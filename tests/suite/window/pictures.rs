@@ -15,7 +15,7 @@ use super::{Window, fitted, session, settle, unheard, window};
 
 /// Software Vulkan of another version may round a shade differently (1 of 255 is far below `threshold`, which is in
 /// perceptual steps) and move an antialiased edge by a pixel here and there.
-fn compare(picture: &RgbaImage, name: &str) {
+pub fn compare(picture: &RgbaImage, name: &str) {
     assert_not_flat(picture, name);
     let options = SnapshotOptions::default().threshold(0.8).max_failed_pixels(40).output_path("tests/snapshots");
     image_snapshot_options(picture, name, &options);

@@ -29,8 +29,11 @@ pub(super) const HEIGHTS: &str = "Reads the image as heights and takes the norma
 pub(super) const SHAPE: &str = "What wears the map. A mesh is read from an OBJ, glTF or GLB file.";
 pub(super) const MESH: &str = "Opens an OBJ, glTF or GLB file as the surface. A normal texture that it brings becomes \
                                the map.";
-pub(super) const FRAMES: &str = "Which triangles share a tangent frame at a vertex: by MikkTSpace, the standard, or by \
-                                 the four rules of Mikkelsen's thesis with an angular threshold.";
+pub(super) const FRAMES: &str = "The tangent frames of vertices: those that a glTF file brings, MikkTSpace's where it \
+                                 brings none; MikkTSpace's, the standard; or by the four rules of Mikkelsen's thesis \
+                                 with an angular threshold.";
+pub(super) const RECONSTRUCTION: &str = "What is made of the vertices' frames at a pixel between them: a rotation; both derivatives in the plane of the \
+     normal (Mikkelsen's section 3.4); or the interpolated vectors as they are (3.5). A map should be read as it was baked.";
 pub(super) const SPLITS: &str = "A split frame is a vertex that differs from another in its tangents alone: at mirrors, \
                                  and where derivatives lie further apart than the threshold.";
 pub(super) const FRAME_NEEDLES: &str = "Draws the frames of some vertices: the map's rows vermilion, its columns green, \

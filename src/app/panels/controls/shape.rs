@@ -10,7 +10,7 @@ use crate::app::panels::needles;
 use crate::app::parameter::{choice, label};
 use crate::app::view_state::NeedlesView;
 use crate::app::{Command, theme};
-use crate::scene::{FrameRule, Shape, ShapeKind};
+use crate::scene::{FrameRule, Reconstruction, Shape, ShapeKind};
 
 /// Shows the shape, its own parameters and those of the map on it.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &mut Shape) {
@@ -25,6 +25,11 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &mut Shape) {
     mesh(ui, context, shape);
     if shape.kind == ShapeKind::Mesh {
         frames(ui, &mut shape.frames);
+    }
+    if shape.kind == ShapeKind::Mesh || shape.reconstruction != Reconstruction::default() {
+        let ways = Reconstruction::ALL.map(|way| (way, way.label()));
+        let chosen = choice(ui, "Frame per pixel", p::RECONSTRUCTION, shape.reconstruction, &ways);
+        shape.reconstruction = chosen.unwrap_or(shape.reconstruction);
     }
     if shape.kind == ShapeKind::Torus {
         radii(ui, &mut shape.radii);
@@ -50,8 +55,15 @@ fn draw_needles(ui: &mut Ui, view: &mut NeedlesView, has_relief: bool) {
 
 /// The rule of the mesh's frames.
 fn frames(ui: &mut Ui, frames: &mut FrameRule) {
-    let grouped = if *frames == FrameRule::MikkTSpace { FrameRule::Grouped { threshold_deg: 180.0 } } else { *frames };
-    let rules = [(FrameRule::MikkTSpace, "MikkTSpace"), (grouped, "groups (Mikkelsen 3.3)")];
+    let grouped = match *frames {
+        FrameRule::Grouped { .. } => *frames,
+        FrameRule::File | FrameRule::MikkTSpace => FrameRule::Grouped { threshold_deg: 180.0 },
+    };
+    let rules = [
+        (FrameRule::File, "the file's own"),
+        (FrameRule::MikkTSpace, "MikkTSpace"),
+        (grouped, "groups (Mikkelsen 3.3)"),
+    ];
     if let Some(rule) = choice(ui, "Frames", p::FRAMES, *frames, &rules) {
         *frames = rule;
     }
