@@ -99,6 +99,8 @@ fn window(make: impl FnOnce(Wake) -> Session) -> Window {
 
 /// Draws and steps until every upload, every sample of the truth and every figure is there.
 fn settle(window: &mut Window) {
+    // What was changed last is in no picture yet.
+    window.run();
     let start = std::time::Instant::now();
     while start.elapsed() < Duration::from_secs(60) {
         window.render().expect("a picture");

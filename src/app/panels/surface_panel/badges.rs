@@ -79,11 +79,13 @@ fn named(ui: &Ui, context: &PanelContext<'_>, cells: &Cells, mut place: Place) {
 fn below(ui: &Ui, context: &PanelContext<'_>, cells: &Cells, mut place: Place) {
     let method = place.method;
     let note = if method.shows_lobes() { lobes_note(context) } else { channels_note(context, method) };
-    if let Some((text, color)) = note {
-        let rect = badge(&ui.painter_at(cells.picture), place.at, place.align, &text, color);
+    if let Some((text, color)) = &note {
+        let rect = badge(&ui.painter_at(cells.picture), place.at, place.align, text, *color);
         place.at.y = rect.bottom() + theme::GRID;
     }
-    if method != Method::Truth && !context.view.hides_figures {
+    // A rival of which something is said has no picture.
+    let is_drawn = note.is_none() || method.shows_lobes();
+    if method != Method::Truth && is_drawn && !context.view.hides_figures {
         figures::show(ui, context, cells, (place.index, method), (place.at, place.align));
     }
 }
