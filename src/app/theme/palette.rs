@@ -94,7 +94,7 @@ pub(super) const HIGH_CONTRAST: Palette = Palette {
     accent: rgb(0x5c_d6_ff),
     panel: rgb(0x00_00_00),
     canvas: rgb(0x00_00_01),
-    field: rgb(0x00_00_00),
+    field: rgb(0x1a_1a_1a),
     window: rgb(0x0a_0a_0a),
     shadow: Color32::TRANSPARENT,
     faint: rgb(0x16_16_16),

@@ -141,7 +141,11 @@ fn the_whole_window_by_preset_and_theme() {
         let inspector = &mut window.state_mut().inspector;
         inspector.view.choose(preset);
         inspector.change_settings(|settings| settings.theme = theme);
-        settle(&mut window);
+        // What is drawn follows the layout, and the figures what is drawn.
+        for _ in 0..2 {
+            window.run_steps(3);
+            settle(&mut window);
+        }
         compare(&window.render().expect("a picture"), name);
     }
 }
