@@ -56,8 +56,8 @@ impl KeptSettings {
     pub fn of_user() -> Self {
         let store = user_folder().map(|folder| folder.join("settings.json"));
         let bytes = store.as_deref().and_then(|path| std::fs::read(path).ok());
-        let settings = bytes.map(|bytes| serde_json::from_slice(&bytes)).unwrap_or(Ok(Settings::default()));
-        let settings = settings.unwrap_or_else(|error| {
+        let read = bytes.map_or_else(|| Ok(Settings::default()), |bytes| serde_json::from_slice(&bytes));
+        let settings: Settings = read.unwrap_or_else(|error| {
             log::warn!("the settings are not read: {error}");
             Settings::default()
         });

@@ -125,8 +125,9 @@ mod tests {
         let figures = super::super::place::tile(Panel::Figures);
         let root = tree.root().expect("a root");
         for (hidden, width) in [([map, figures], 690.0), ([figures, figures], 344.5)] {
-            [surface, map, figures].into_iter().for_each(|tile| tree.set_visible(tile, true));
-            hidden.into_iter().for_each(|tile| tree.set_visible(tile, false));
+            for tile in [surface, map, figures] {
+                tree.set_visible(tile, !hidden.contains(&tile));
+            }
             spread(&mut tree.tiles, root, Vec2::new(1280.0, 740.0));
             let row = tree.tiles.parent_of(surface).expect("a row");
             let Some(Container::Linear(row)) = tree.tiles.get_container(row) else { panic!("no row") };

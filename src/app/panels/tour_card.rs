@@ -26,7 +26,7 @@ pub fn show(ctx: &Context, tour: &mut Tour, target: impl Fn(Target) -> Option<Re
     area.show(ctx, |ui| {
         let palette = theme::of(ui);
         let frame = Frame::popup(ui.style()).inner_margin(14).stroke(Stroke::new(1.0, palette.accent));
-        frame.show(ui, |ui| card(ui, tour, index, step)).inner
+        frame.show(ui, |ui| card(ui, tour, index, step));
     });
     tour.step().is_none()
 }
