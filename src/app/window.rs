@@ -133,7 +133,8 @@ pub fn run(make: impl FnOnce(Wake) -> Session, settings: &WindowSettings<'_>) ->
     let session = make(caller.wake());
     open(&kept, &caller, Document::New(Box::new(session)), settings.lose_device_after)?;
     loop {
-        let (carried, losses) = (kept.borrow_mut().carried.take(), kept.borrow().losses);
+        let carried = kept.borrow_mut().carried.take();
+        let losses = kept.borrow().losses;
         let Some(carried) = carried else { return Ok(()) };
         if losses > MOST_LOSSES {
             return Err(WindowError::DeviceLost(losses));
