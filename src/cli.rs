@@ -18,11 +18,13 @@ pub mod start;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::{Parser, Subcommand};
 use options::MapArguments;
 
-use crate::app::{autosave, window};
+use crate::app::autosave;
+use crate::app::window::{self, WindowSettings};
 use crate::jobs::panic_report;
 use crate::normal_map::MapOptions;
 use crate::session::{MapRequest, Message, Session, recent};
@@ -42,9 +44,13 @@ pub struct Cli {
     /// How the map is read.
     #[command(flatten)]
     pub map_arguments: MapArguments,
-    /// Write a line for every frame of the window: its start and the program's own time, in milliseconds.
+    /// Write a line for every frame of the window, in milliseconds: its start, the time of its panels, and that of the
+    /// window's thread in all, waits for the adapter left out.
     #[arg(long, value_name = "FILE")]
     pub frame_log: Option<PathBuf>,
+    /// Give the graphics device up after so many seconds, to rehearse its loss.
+    #[arg(long, value_name = "SECONDS", hide = true)]
+    pub lose_device_after: Option<f32>,
 }
 
 /// The commands beside the window.
@@ -95,7 +101,9 @@ pub fn open_window(cli: &Cli) -> anyhow::Result<()> {
         }
         session
     };
-    Ok(window::run(make, cli.frame_log.as_deref())?)
+    let lose_device_after = cli.lose_device_after.and_then(|seconds| Duration::try_from_secs_f32(seconds).ok());
+    let settings = WindowSettings { frame_log: cli.frame_log.as_deref(), lose_device_after };
+    Ok(window::run(make, &settings)?)
 }
 
 /// Carries out a command, and says how the program ends.

@@ -14,6 +14,7 @@ use egui::accesskit::TreeUpdate;
 use egui::{Event, RawInput, Rect, ViewportId, vec2};
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 
+use crate::app::dock::Preset;
 use crate::app::inspector::{Inspector, Surroundings, wake_of};
 use crate::app::viewport::PaintTarget;
 use crate::gpu::Gpu;
@@ -93,6 +94,12 @@ impl<'a> Headless<'a> {
         // A cursor that blinks shows when a picture was taken.
         canvas.ctx.all_styles_mut(|style| style.visuals.text_cursor.blink = false);
         Self { inspector, canvas, wait: settings.wait }
+    }
+
+    /// Shows what a preset has, where it has it, whatever the session's own layout is.
+    pub fn show(&mut self, preset: Preset) {
+        self.inspector.take_opened_view();
+        self.inspector.view.choose(preset);
     }
 
     /// Runs passes until nothing moves any more (or, without waiting, until the layout has settled), then reads the
@@ -178,7 +185,9 @@ impl<'a> Canvas<'a> {
     }
 
     fn input(&self, events: Vec<Event>) -> RawInput {
-        let [width, height] = self.size.map(|pixels| pixels as f32 / self.px_per_point);
+        // The toolkit takes sizes in points of the interface, which its own scale makes larger.
+        let px_per_point = self.px_per_point * self.ctx.zoom_factor();
+        let [width, height] = self.size.map(|pixels| pixels as f32 / px_per_point);
         let mut input = RawInput {
             screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, vec2(width, height))),
             max_texture_side: Some(self.gpu.device.limits().max_texture_dimension_2d as usize),

@@ -1,6 +1,6 @@
 //! The document kept on disk while it changes, so that the next start, after a crash too, goes on where this one was.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,7 +15,7 @@ const PAUSE: Duration = Duration::from_secs(2);
 #[derive(Default)]
 pub struct Autosave {
     store: Option<PathBuf>,
-    written: Option<SessionFile>,
+    written: Option<(SessionFile, Option<PathBuf>)>,
     changed_at: Option<Instant>,
     job: Option<Job<Result<(), SessionFileError>>>,
 }
@@ -25,13 +25,13 @@ fn user_store() -> Option<PathBuf> {
     user_folder().map(|folder| folder.join(format!("last{}", SessionFile::ENDING)))
 }
 
-/// What the last run kept, if there was one. It belongs to no file of the user's.
+/// What the last run kept, if there was one. It belongs to the file that it was saved to, if it was to any.
 ///
 /// # Errors
 /// A sentence that names the file and the cause.
 pub fn last_run() -> Option<Result<SessionFile, SessionFileError>> {
     let store = user_store().filter(|store| store.exists())?;
-    Some(SessionFile::read(&store).map(|file| SessionFile { path: None, ..file }))
+    Some(SessionFile::read(&store).map(|file| SessionFile { path: file.saved_as, saved_as: None, ..file }))
 }
 
 impl Autosave {
@@ -40,12 +40,12 @@ impl Autosave {
         Self { store: user_store(), ..Self::default() }
     }
 
-    /// Writes the document in the background, a little after it has changed; asks for a pass of the window then, and
+    /// Writes the document, which is saved to `saved_as`, in the background, a little after it has changed; asks for a pass of the window then, and
     /// for none otherwise.
-    pub fn update(&mut self, now: &SessionFile, ctx: &egui::Context, wake: &Wake) {
+    pub fn update(&mut self, now: &SessionFile, saved_as: Option<&Path>, ctx: &egui::Context, wake: &Wake) {
         let Some(store) = self.store.clone() else { return };
         self.poll();
-        if self.written.as_ref() == Some(now) {
+        if self.has_written(now, saved_as) {
             self.changed_at = None;
             return;
         }
@@ -54,13 +54,17 @@ impl Autosave {
             ctx.request_repaint_after(PAUSE.saturating_sub(age).max(Duration::from_millis(100)));
             return;
         }
-        let file = now.clone();
-        self.written = Some(now.clone());
+        let file = SessionFile { saved_as: absolute(saved_as), ..now.clone() };
+        self.written = Some((now.clone(), saved_as.map(Path::to_owned)));
         self.changed_at = None;
         match Job::spawn("autosave", Arc::clone(wake), move |outbox| outbox.send(file.write(&store))) {
             Ok(job) => self.job = Some(job),
             Err(error) => log::warn!("the session is not kept: {error}"),
         }
+    }
+
+    fn has_written(&self, now: &SessionFile, saved_as: Option<&Path>) -> bool {
+        self.written.as_ref().is_some_and(|(file, path)| file == now && path.as_deref() == saved_as)
     }
 
     fn poll(&mut self) {
@@ -74,14 +78,20 @@ impl Autosave {
     }
 
     /// Writes the document now, where it has changed: the window closes.
-    pub fn finish(&mut self, now: &SessionFile) {
+    pub fn finish(&mut self, now: &SessionFile, saved_as: Option<&Path>) {
         let Some(store) = &self.store else { return };
-        if self.written.as_ref() != Some(now)
-            && let Err(error) = now.write(store)
+        let file = SessionFile { saved_as: absolute(saved_as), ..now.clone() };
+        if !self.has_written(now, saved_as)
+            && let Err(error) = file.write(store)
         {
             log::warn!("{error}");
         }
     }
+}
+
+/// A path that is the same from any folder.
+fn absolute(path: Option<&Path>) -> Option<PathBuf> {
+    path.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()))
 }
 
 #[cfg(test)]
@@ -95,14 +105,14 @@ mod tests {
         let mut autosave = Autosave { store: Some(store.clone()), ..Autosave::default() };
         let (ctx, wake) = (egui::Context::default(), Arc::new(|| {}) as Wake);
         let file = SessionFile { truth_samples: Some(77), ..SessionFile::default() };
-        autosave.update(&file, &ctx, &wake);
+        autosave.update(&file, None, &ctx, &wake);
         assert!(autosave.job.is_none() && autosave.changed_at.is_some(), "written at once");
         autosave.changed_at = Instant::now().checked_sub(PAUSE);
-        autosave.update(&file, &ctx, &wake);
+        autosave.update(&file, None, &ctx, &wake);
         let job = autosave.job.take().expect("it is being written");
         assert!(matches!(job.wait(Duration::from_secs(10)), Ok(Some(JobEvent::News(Ok(()))))));
         assert_eq!(SessionFile::read(&store).expect("read").truth_samples, Some(77));
-        autosave.update(&file, &ctx, &wake);
+        autosave.update(&file, None, &ctx, &wake);
         assert!(autosave.job.is_none() && autosave.changed_at.is_none(), "nothing has changed");
     }
 
@@ -111,7 +121,13 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let store = folder.path().join("last.ndfi.json");
         let mut autosave = Autosave { store: Some(store.clone()), ..Autosave::default() };
-        autosave.finish(&SessionFile { truth_samples: Some(78), ..SessionFile::default() });
-        assert_eq!(SessionFile::read(&store).expect("read").truth_samples, Some(78));
+        autosave.finish(
+            &SessionFile { truth_samples: Some(78), ..SessionFile::default() },
+            Some(&folder.path().join("mine.ndfi.json")),
+        );
+        let read = SessionFile::read(&store).expect("read");
+        assert_eq!(read.truth_samples, Some(78));
+        // Paths in it are relative to it, and found again from anywhere.
+        assert_eq!(read.saved_as, Some(folder.path().join("mine.ndfi.json")));
     }
 }

@@ -2,11 +2,14 @@
 
 use std::path::PathBuf;
 
+use super::dock::Preset;
 use super::export_view::ExportView;
 use super::exports::{ExportTarget, Exports};
 use super::figures_file::Target;
 use super::figures_report::FiguresReport;
 use super::history::History;
+use super::settings::{KeptSettings, Settings};
+use super::tour::Tour;
 use super::view_state::Overlay;
 use super::{ViewState, document};
 use crate::comparison::Comparison;
@@ -25,6 +28,10 @@ pub struct Desk<'a> {
     pub session: &'a mut Session,
     /// The view of it.
     pub view: &'a mut ViewState,
+    /// The tour of the window.
+    pub tour: &'a mut Tour,
+    /// What the user prefers.
+    pub settings: &'a mut KeptSettings,
     /// What was measured of it.
     pub figures: &'a mut FiguresReport,
     /// What is being exported.
@@ -82,6 +89,10 @@ pub enum Command {
     Export(ExportView, ExportTarget),
     /// Change what is seen, and nothing else.
     ChangeView(fn(&mut ViewState)),
+    /// Change what the user prefers.
+    ChangeSettings(fn(&mut Settings)),
+    /// Show the tour of the window.
+    StartTour,
     /// Go one step back.
     Undo,
     /// Go one step forth again.
@@ -101,7 +112,7 @@ pub enum Command {
 impl Command {
     /// Carries the request out.
     pub fn run(self, desk: Desk<'_>) {
-        let Desk { session, view, figures, exports, history, ctx } = desk;
+        let Desk { session, view, tour, settings, figures, exports, history, ctx } = desk;
         match self {
             Self::Open(request) => session.open(request),
             Self::OpenDialog => session.open_dialog(),
@@ -128,6 +139,11 @@ impl Command {
             Self::SaveFigures(axis, metric, target) => tell(figures.save(axis, metric, target), session),
             Self::Export(view, target) => tell(exports.start(session, &view, target), session),
             Self::ChangeView(change) => change(view),
+            Self::ChangeSettings(change) => settings.change(change),
+            Self::StartTour => {
+                view.choose(Preset::Inspect);
+                tour.start();
+            }
             Self::Undo => step(History::undo, session, view, history),
             Self::Redo => step(History::redo, session, view, history),
             Self::SaveSession(path) => session.save(document::contents(session, view), path),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::{CentralPanel, Frame, RichText};
 
 use super::figures_plot::FiguresPlot;
-use super::theme;
+use super::theme::{self, Theme};
 use crate::gpu::Gpu;
 use crate::gpu::readback::ReadbackError;
 use crate::headless::{Canvas, Screenshot};
@@ -103,10 +103,10 @@ pub fn picture(plot: &FiguresPlot, gpu: &Gpu) -> Result<Screenshot, ReadbackErro
     let mut canvas = Canvas::new(gpu, PICTURE_SIZE);
     for _ in 0..PASSES {
         canvas.pass(Vec::new(), |ui| {
-            theme::apply(ui.ctx());
-            let frame = Frame::new().fill(theme::PANEL).inner_margin(16);
+            theme::apply(ui.ctx(), Theme::Dark);
+            let frame = Frame::new().fill(theme::of(ui).panel).inner_margin(16);
             CentralPanel::no_frame().frame(frame).show(ui, |ui| {
-                ui.label(RichText::new(plot.title()).color(theme::STRONG));
+                ui.label(RichText::new(plot.title()).color(theme::of(ui).strong));
                 let height = ui.available_height();
                 plot.show(ui, height);
             });

@@ -7,7 +7,7 @@ use egui_plot::{FilledArea, GridMark, HoverPosition, PlotBounds, PlotPoint, Plot
 
 use super::method_style::MethodStyle;
 use super::panels::small_plot;
-use super::theme;
+use super::theme::{self, Palette};
 use crate::filter::Method;
 use crate::measure::{Metric, SweepRun};
 
@@ -133,12 +133,13 @@ impl FiguresPlot {
         let [x, y] = [0, 1].map(|index| self.band.iter().map(|point| point[index]).collect::<Vec<f64>>());
         if x.len() > 1 {
             let area = FilledArea::new("standard error of the truth", &x, &vec![0.0; x.len()], &y);
-            plot.add(area.fill_color(Color32::from_white_alpha(40)).allow_hover(false));
+            plot.add(area.fill_color(band_color(plot)).allow_hover(false));
         }
     }
 
     /// A row for each curve, the one that ends highest first, then one for the band.
     fn draw_key<'a>(&'a self, plot: &mut PlotUi<'a>, bounds: PlotBounds, room: egui::Vec2) {
+        let palette = theme::of(plot.ctx());
         let per_point = [bounds.width() / f64::from(room.x), bounds.height() / f64::from(room.y)];
         let left = bounds.max()[0] - per_point[0] * f64::from(KEY_WIDTH);
         let x = |points: f32| left + per_point[0] * f64::from(points);
@@ -147,23 +148,28 @@ impl FiguresPlot {
         curves.sort_by(|a, b| b.last().total_cmp(&a.last()));
         for (row, curve) in curves.iter().enumerate() {
             let sample = |points: [f32; 2]| points.map(|point| [x(point), y(row)]).to_vec();
-            let style = MethodStyle::of(curve.method);
+            let style = MethodStyle::of(curve.method, palette);
             plot.line(style.line("", sample([0.0, 30.0])).allow_hover(false));
             plot.points(style.points("", vec![[x(15.0), y(row)]]).allow_hover(false));
-            plot.text(key_text(PlotPoint::new(x(36.0), y(row)), &curve.name));
+            plot.text(key_text(palette, PlotPoint::new(x(36.0), y(row)), &curve.name));
         }
         if !self.band.is_empty() {
             let row = curves.len();
             let [top, bottom] = [y(row) + 5.0 * per_point[1], y(row) - 5.0 * per_point[1]];
             let area = FilledArea::new("", &[x(0.0), x(30.0)], &[bottom; 2], &[top; 2]);
-            plot.add(area.fill_color(Color32::from_white_alpha(40)).allow_hover(false));
-            plot.text(key_text(PlotPoint::new(x(36.0), y(row)), "truth's std. error"));
+            plot.add(area.fill_color(band_color(plot)).allow_hover(false));
+            plot.text(key_text(palette, PlotPoint::new(x(36.0), y(row)), "truth's std. error"));
         }
     }
 }
 
-fn key_text(at: PlotPoint, text: &str) -> Text {
-    let text = RichText::new(text).size(11.5).color(theme::TEXT);
+/// The band lies behind the curves.
+fn band_color(plot: &PlotUi<'_>) -> Color32 {
+    theme::of(plot.ctx()).text.gamma_multiply(0.16)
+}
+
+fn key_text(palette: &Palette, at: PlotPoint, text: &str) -> Text {
+    let text = RichText::new(text).size(11.5).color(palette.text);
     Text::new("", at, text).anchor(Align2::LEFT_CENTER).allow_hover(false)
 }
 
@@ -173,7 +179,7 @@ impl Curve {
     }
 
     fn draw<'a>(&'a self, plot: &mut PlotUi<'a>) {
-        let style = MethodStyle::of(self.method);
+        let style = MethodStyle::of(self.method, theme::of(plot.ctx()));
         plot.line(style.line(&self.name, self.points.clone()));
         plot.points(style.points(&self.name, self.points.clone()));
     }

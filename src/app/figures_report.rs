@@ -27,6 +27,12 @@ impl FiguresReport {
         Self { gpu, wake, runs: Vec::new(), saving: None }
     }
 
+    /// Measures on another device from now on; a sweep under way ends, and what it found stays.
+    pub fn move_to(&mut self, gpu: Gpu, wake: Wake) {
+        self.cancel();
+        (self.gpu, self.wake) = (gpu, wake);
+    }
+
     /// The last sweep along an axis.
     pub fn run(&self, axis: Axis) -> Option<&SweepRun> {
         self.runs.iter().find(|run| run.sweep().axis == axis)

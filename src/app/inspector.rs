@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use egui::{CentralPanel, Frame, Margin, Panel};
+use egui::{CentralPanel, Frame, Margin, Panel as Edge, Rect};
 
 use super::actions::{self, Facts};
 use super::autosave::Autosave;
@@ -11,6 +11,7 @@ use super::brdf_report::{Asked, BrdfReport};
 use super::built_filters::BuiltFilters;
 use super::command::{Command, Desk};
 use super::disc_textures::DiscTextures;
+use super::dock::{Dock, Panel};
 use super::document;
 use super::error_report::ErrorReport;
 use super::exports::Exports;
@@ -22,18 +23,22 @@ use super::map_picture::MapTextures;
 use super::map_shading::MapShading;
 use super::message_log::MessageLog;
 use super::panels::{
-    PanelContext, controls, export_window, figures_panel, key_list, log_panel, map_panel, palette, save_session,
-    sphere_panel, status_bar, surface_panel, toasts, top_bar,
+    PanelContext, export_window, key_list, log_panel, palette, save_session, status_bar, toasts, top_bar, tour_card,
 };
+use super::settings::{KeptSettings, Settings};
 use super::texel_report::TexelReport;
 use super::theme;
+use super::tour::{Target, Tour};
 use super::trace_report::TraceReport;
-use super::view_state::{Layout, Overlay, ViewState};
+use super::view_state::{Overlay, ViewState};
 use super::viewport::PaintTarget;
 use crate::gpu::Gpu;
 use crate::jobs::Wake;
 use crate::scene::import;
 use crate::session::{MapRequest, Message, Session};
+
+mod carried;
+pub use carried::Carried;
 
 /// What an inspector is told about where it is shown.
 #[derive(Clone, Debug)]
@@ -52,6 +57,8 @@ pub struct Inspector {
     pub session: Session,
     /// The view of it.
     pub view: ViewState,
+    settings: KeptSettings,
+    tour: Tour,
     surroundings: Surroundings,
     report: TexelReport,
     brdf: BrdfReport,
@@ -62,6 +69,7 @@ pub struct Inspector {
     live_figures: LiveFigures,
     history: History,
     autosave: Autosave,
+    dock: Dock,
     textures: MapTextures,
     discs: DiscTextures,
     histogram: KeptHistogram,
@@ -79,7 +87,9 @@ pub fn wake_of(ctx: &egui::Context) -> Wake {
 impl Inspector {
     /// An inspector of a session whose jobs call `wake`. Dresses the context.
     pub fn new(ctx: &egui::Context, session: Session, surroundings: Surroundings) -> Self {
-        theme::apply(ctx);
+        ctx.options_mut(|options| options.zoom_with_keyboard = false);
+        let mut settings = KeptSettings::default();
+        settings.dress(ctx);
         let filters = BuiltFilters::default();
         Self {
             session,
@@ -88,12 +98,15 @@ impl Inspector {
             exports: Exports::new(surroundings.gpu.clone(), wake_of(ctx)),
             history: History::default(),
             autosave: Autosave::default(),
+            settings,
+            tour: Tour::default(),
             surroundings,
             report: TexelReport::default(),
             brdf: BrdfReport::new(filters.clone()),
             trace: TraceReport::default(),
             errors: ErrorReport::new(filters),
             live_figures: LiveFigures::default(),
+            dock: Dock::default(),
             textures: MapTextures::default(),
             discs: DiscTextures::default(),
             histogram: KeptHistogram::default(),
@@ -105,6 +118,7 @@ impl Inspector {
 
     /// Takes the jobs' news and dropped files. Runs before every [`Inspector::ui`].
     pub fn logic(&mut self, ctx: &egui::Context) {
+        self.settings.dress(ctx);
         self.open_dropped(ctx);
         self.session.poll();
         let mut news = Vec::new();
@@ -146,7 +160,7 @@ impl Inspector {
         let opening = session.is_opening() || session.is_opening_sky() || session.is_measuring();
         let busy = computing || gathering || self.errors.is_running() || opening || self.view.is_playing();
         // A surface out of sight is not drawn, and keeps what its last frame said.
-        let in_sight = matches!(self.view.layout, Layout::Surface | Layout::Split);
+        let in_sight = self.dock.rect(Panel::Surface).is_some();
         let drawing = in_sight && self.surroundings.target.status.get().wants_more;
         !busy && !drawing && self.live_figures.is_done(self.live_task().as_ref())
     }
@@ -183,8 +197,15 @@ impl Inspector {
             surroundings: &self.surroundings,
             hover: &mut hover,
         };
-        lay_out(ui, &mut context, self.hover.as_deref());
+        let top_bar = lay_out(ui, &mut self.dock, &mut context, self.hover.as_deref());
         lay_over(ui.ctx(), &mut context);
+        let rect = |target| match target {
+            Target::Panel(panel) => self.dock.rect(panel),
+            Target::TopBar => Some(top_bar),
+        };
+        if tour_card::show(ui.ctx(), &mut self.tour, rect) {
+            commands.push(Command::ChangeSettings(|settings| settings.knows_tour = true));
+        }
         commands.extend(toasts::show(ui.ctx(), &mut self.messages.shown).map(Command::Open));
         if hover != self.hover || !commands.is_empty() {
             ui.ctx().request_repaint();
@@ -207,12 +228,12 @@ impl Inspector {
 
     /// Carries a command out.
     pub fn run(&mut self, command: Command, ctx: &egui::Context) {
-        let Self { session, view, figures, exports, history, .. } = self;
-        command.run(Desk { session, view, figures, exports, history, ctx });
+        let Self { session, view, tour, settings, figures, exports, history, .. } = self;
+        command.run(Desk { session, view, tour, settings, figures, exports, history, ctx });
     }
 
-    /// Takes the layout of a session that was opened.
-    fn take_opened_view(&mut self) {
+    /// Takes the layout of a session that was opened, before the next pass does.
+    pub fn take_opened_view(&mut self) {
         if let Some(value) = self.session.take_view() {
             document::take_view(value, &mut self.session, &mut self.view);
         }
@@ -226,20 +247,34 @@ impl Inspector {
         let opening = self.session.is_opening() || self.session.is_opening_sky();
         if !held && !opening && !self.view.is_playing() {
             let now = document::contents(&self.session, &self.view);
-            self.autosave.update(&now, ctx, &self.wake);
+            self.autosave.update(&now, self.session.path(), ctx, &self.wake);
             self.history.record(now);
         }
     }
 
-    /// Keeps the document for the next start from now on.
+    /// What the user prefers.
+    pub fn settings(&self) -> &Settings {
+        self.settings.get()
+    }
+
+    /// Changes what the user prefers.
+    pub fn change_settings(&mut self, change: impl FnOnce(&mut Settings)) {
+        self.settings.change(change);
+    }
+
+    /// Keeps the document for the next start from now on, and takes and keeps the user's own settings.
     pub fn keep_document(&mut self) {
         self.autosave = Autosave::of_user();
+        self.settings = KeptSettings::of_user();
+        if !self.settings.get().knows_tour {
+            self.tour.start();
+        }
     }
 
     /// Keeps the document as it is: the window closes. One that is still being opened is kept already.
     pub fn finish(&mut self) {
         if !self.session.is_opening() {
-            self.autosave.finish(&document::contents(&self.session, &self.view));
+            self.autosave.finish(&document::contents(&self.session, &self.view), self.session.path());
         }
     }
 
@@ -272,12 +307,6 @@ impl Inspector {
     }
 }
 
-/// Names the edge that resizes a panel, which the toolkit names alike for all; a test holds that names are unique.
-fn name_edge(ui: &egui::Ui, panel: &str, name: &str) {
-    let edge = ui.scope_id().with_salt(egui::IdSalt::new(panel)).with("__resize");
-    ui.ctx().accesskit_node_builder(edge, |node| node.set_label(name));
-}
-
 fn lay_over(ctx: &egui::Context, context: &mut PanelContext<'_>) {
     match context.view.overlay {
         Overlay::None => {}
@@ -289,28 +318,11 @@ fn lay_over(ctx: &egui::Context, context: &mut PanelContext<'_>) {
     }
 }
 
-fn lay_out(ui: &mut egui::Ui, context: &mut PanelContext<'_>, hover: Option<&str>) {
-    let bar = Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(12, 5));
-    let side = Frame::new().fill(theme::PANEL).inner_margin(Margin { left: 12, right: 6, top: 8, bottom: 4 });
-    let picture = Frame::new().fill(theme::CANVAS);
-    Panel::top("top bar").frame(bar).show(ui, |ui| top_bar::show(ui, context));
-    Panel::bottom("status bar").frame(bar).show(ui, |ui| status_bar::show(ui, context, hover));
-    let controls = Panel::left("controls").frame(side).default_size(272.0).size_range(248.0..=420.0);
-    controls.show(ui, |ui| controls::show(ui, context));
-    name_edge(ui, "controls", "Resize controls");
-    let sphere = Panel::right("sphere").frame(side).default_size(316.0).size_range(280.0..=560.0);
-    sphere.show(ui, |ui| sphere_panel::show(ui, context));
-    name_edge(ui, "sphere", "Resize sphere panel");
-    Panel::bottom("levels").frame(bar).show(ui, |ui| map_panel::strip(ui, context));
-    CentralPanel::no_frame().frame(picture).show(ui, |ui| match context.view.layout {
-        Layout::Surface => surface_panel::show(ui, context),
-        Layout::Map => map_panel::show(ui, context),
-        Layout::Figures => figures_panel::show(ui, context),
-        Layout::Split => {
-            let half = (ui.available_width() / 2.0).floor();
-            let map = Panel::right("map half").frame(picture).exact_size(half).resizable(false);
-            map.show(ui, |ui| map_panel::show(ui, context));
-            surface_panel::show(ui, context);
-        }
-    });
+/// Shows the bars and the panels; where the upper bar is.
+fn lay_out(ui: &mut egui::Ui, dock: &mut Dock, context: &mut PanelContext<'_>, hover: Option<&str>) -> Rect {
+    let bar = Frame::new().fill(theme::of(ui).panel).inner_margin(Margin::symmetric(12, 5));
+    let top_bar = Edge::top("top bar").frame(bar).show(ui, |ui| top_bar::show(ui, context));
+    Edge::bottom("status bar").frame(bar).show(ui, |ui| status_bar::show(ui, context, hover));
+    CentralPanel::no_frame().show(ui, |ui| dock.show(ui, context));
+    top_bar.response.rect
 }

@@ -4,7 +4,7 @@
 use egui::Color32;
 use egui_plot::{Line, LineStyle, MarkerShape, PlotPoints, Points};
 
-use super::theme;
+use super::theme::Palette;
 use crate::color::LOBE_COLORS;
 use crate::filter::Method;
 
@@ -19,7 +19,7 @@ pub struct MethodStyle {
 
 impl MethodStyle {
     /// By the method's place among those that are offered; one that is not offered looks like the truth.
-    pub fn of(method: Method) -> Self {
+    pub fn of(method: Method, palette: &Palette) -> Self {
         const LINES: [LineStyle; 3] =
             [LineStyle::Solid, LineStyle::Dashed { length: 9.0 }, LineStyle::Dotted { spacing: 5.0 }];
         const MARKERS: [MarkerShape; 8] = [
@@ -34,7 +34,7 @@ impl MethodStyle {
         ];
         let place = Method::offered().position(|offered| offered == method).unwrap_or(0);
         if method == Method::Truth || place == 0 {
-            return Self { color: theme::STRONG, marker: MarkerShape::Circle, line: LINES[1] };
+            return Self { color: palette.strong, marker: MarkerShape::Circle, line: LINES[1] };
         }
         let [r, g, b] = LOBE_COLORS[(place - 1) % LOBE_COLORS.len()];
         let color = Color32::from_rgb(r, g, b);
@@ -55,10 +55,12 @@ impl MethodStyle {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::theme::Theme;
 
     #[test]
     fn no_two_methods_look_alike() {
-        let styles: Vec<MethodStyle> = Method::offered().map(MethodStyle::of).collect();
+        let styles: Vec<MethodStyle> =
+            Method::offered().map(|method| MethodStyle::of(method, Theme::Dark.palette())).collect();
         for (index, style) in styles.iter().enumerate() {
             let alike = |other: &MethodStyle| {
                 other.color == style.color || (other.marker, other.line) == (style.marker, style.line)

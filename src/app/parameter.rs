@@ -5,6 +5,8 @@
 
 use egui::{DragValue, Label, Response, Sense, Slider, Ui};
 
+use super::about::About;
+use super::panels::about_button;
 use super::theme;
 use crate::brdf::ModelParameter;
 
@@ -120,13 +122,32 @@ impl Parameter {
     }
 }
 
+/// A box to be ticked; a double click brings the default back.
+pub fn checkbox(ui: &mut Ui, on: &mut bool, default: bool, text: &str, tooltip: &str) -> Response {
+    let state = if default { "on" } else { "off" };
+    let tooltip = format!("{tooltip}\nDefault {state}. Double click resets.");
+    let response = ui.checkbox(on, text).on_hover_text(tooltip);
+    if response.double_clicked() {
+        *on = default;
+    }
+    response
+}
+
 /// A label of the column's width, in front of a control.
 pub fn label(ui: &mut Ui, text: &str) -> Response {
+    label_with(ui, text, |_| {})
+}
+
+/// A label of the column's width with something at its right end.
+fn label_with(ui: &mut Ui, text: &str, end: impl FnOnce(&mut Ui)) -> Response {
     let layout = egui::Layout::left_to_right(egui::Align::Center);
     let size = egui::vec2(LABEL_WIDTH, theme::ROW);
     ui.allocate_ui_with_layout(size, layout, |ui| {
         ui.set_min_size(size);
-        ui.add(Label::new(text).truncate().selectable(false).sense(Sense::click()))
+        ui.spacing_mut().item_spacing.x = 0.0;
+        let label = ui.add(Label::new(text).truncate().selectable(false).sense(Sense::click()));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), end);
+        label
     })
     .inner
 }
@@ -152,6 +173,30 @@ pub fn explained_choice<T: Copy + PartialEq>(
     current: T,
     choices: &[(T, &str, &str)],
 ) -> Option<T> {
+    choice_row(ui, name, tooltip, current, choices, None)
+}
+
+/// As [`choice`], with a button that tells about the current one.
+pub fn about_choice<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    tooltip: &str,
+    (current, about): (T, About),
+    choices: &[(T, &str)],
+) -> Option<T> {
+    let choices: Vec<_> = choices.iter().map(|&(value, text)| (value, text, "")).collect();
+    choice_row(ui, name, tooltip, current, &choices, Some(about))
+}
+
+/// A row of label, drop-down and, where there is something to tell, the button that does.
+pub fn choice_row<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    tooltip: &str,
+    current: T,
+    choices: &[(T, &str, &str)],
+    about: Option<About>,
+) -> Option<T> {
     let mut chosen = current;
     let explanation = choices.iter().find(|(value, ..)| *value == current).map_or("", |(.., text)| text);
     let (default, default_text, _) = *choices.first()?;
@@ -159,7 +204,12 @@ pub fn explained_choice<T: Copy + PartialEq>(
     let reset = format!("Default {default_text}. Double click the name to reset.");
     let tooltip = format!("{tooltip}\n{explanation}{gap}{reset}");
     ui.horizontal(|ui| {
-        let label = label(ui, name).on_hover_text(&tooltip);
+        let label = label_with(ui, name, |ui| {
+            if let Some(about) = about {
+                about_button::show(ui, name, about);
+            }
+        })
+        .on_hover_text(&tooltip);
         explained_combo(ui, name, &mut chosen, choices).labelled_by(label.id).on_hover_text(&tooltip);
         if label.double_clicked() {
             chosen = default;

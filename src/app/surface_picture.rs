@@ -3,7 +3,7 @@
 use egui::{CentralPanel, Frame, Label, RichText};
 use serde_json::Value;
 
-use super::theme;
+use super::theme::{self, Theme};
 use crate::gpu::readback::ReadbackError;
 use crate::gpu::{FrameInput, Gpu, render_to_rgba8};
 use crate::headless::{Canvas, Screenshot};
@@ -44,11 +44,11 @@ pub fn captioned(gpu: &Gpu, picture: Screenshot, session: &Session) -> Result<Sc
     let mut canvas = Canvas::new(gpu, [width, CAPTION_HEIGHT]);
     for _ in 0..PASSES {
         canvas.pass(Vec::new(), |ui| {
-            theme::apply(ui.ctx());
-            let frame = Frame::new().fill(theme::PANEL).inner_margin(6);
+            theme::apply(ui.ctx(), Theme::Dark);
+            let frame = Frame::new().fill(theme::of(ui).panel).inner_margin(6);
             CentralPanel::no_frame().frame(frame).show(ui, |ui| {
                 for line in caption(session) {
-                    ui.add(Label::new(RichText::new(line).small().color(theme::TEXT)).truncate());
+                    ui.add(Label::new(RichText::new(line).small().color(theme::of(ui).text)).truncate());
                 }
             });
         })?;

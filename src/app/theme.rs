@@ -1,27 +1,55 @@
-//! How the window looks: a dark theme on a grid of four points, one accent colour, two sizes of text.
+//! How the window looks: three themes on a grid of four points, one accent colour, two sizes of text.
+//!
+//! Panels take every colour from the [`Palette`] that their context is dressed in; pictures of data keep their own.
 
-use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme, Visuals, vec2};
+use std::str::FromStr;
 
-/// The one accent: selection, sliders, progress.
-pub const ACCENT: Color32 = Color32::from_rgb(110, 168, 254);
-/// Panels.
-pub const PANEL: Color32 = Color32::from_rgb(25, 27, 32);
-/// What lies behind pictures.
-pub const CANVAS: Color32 = Color32::from_rgb(15, 16, 20);
-/// Lines between panels.
-pub const LINE: Color32 = Color32::from_rgb(44, 48, 56);
-/// Text that is read.
-pub const TEXT: Color32 = Color32::from_rgb(211, 216, 224);
-/// Text that explains.
-pub const WEAK: Color32 = Color32::from_rgb(139, 147, 161);
-/// Headings.
-pub const STRONG: Color32 = Color32::from_rgb(240, 243, 248);
-/// Something to know.
-pub const WARNING: Color32 = Color32::from_rgb(240, 190, 90);
-/// Something that failed; not red alone, the sentence says it.
-pub const ERROR: Color32 = Color32::from_rgb(255, 140, 105);
-/// Behind labels that lie on pictures.
-pub const BADGE: Color32 = Color32::from_rgba_premultiplied(10, 11, 14, 205);
+use egui::{Context, CornerRadius, FontFamily, FontId, Margin, Painter, Shadow, Stroke, TextStyle, Ui, Visuals, vec2};
+use serde::{Deserialize, Serialize};
+
+mod palette;
+pub use palette::Palette;
+
+/// A way to look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Theme {
+    /// Bright on dark.
+    #[default]
+    Dark,
+    /// Dark on bright.
+    Light,
+    /// White on black, with bright lines.
+    HighContrast,
+}
+
+impl Theme {
+    /// Every theme with its name, in the order they are offered.
+    pub const ALL: [(Self, &'static str); 3] =
+        [(Self::Dark, "Dark"), (Self::Light, "Light"), (Self::HighContrast, "High contrast")];
+
+    /// Its colours.
+    pub fn palette(self) -> &'static Palette {
+        match self {
+            Self::Dark => &palette::DARK,
+            Self::Light => &palette::LIGHT,
+            Self::HighContrast => &palette::HIGH_CONTRAST,
+        }
+    }
+}
+
+impl FromStr for Theme {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "dark" => Ok(Self::Dark),
+            "light" => Ok(Self::Light),
+            "high-contrast" => Ok(Self::HighContrast),
+            _ => Err("write dark, light or high-contrast".to_owned()),
+        }
+    }
+}
 
 /// One step of the grid.
 pub const GRID: f32 = 4.0;
@@ -30,12 +58,45 @@ pub const ROW: f32 = 20.0;
 /// Height of a slider, which its handle follows.
 pub const HANDLE: f32 = 14.0;
 
+/// What is dressed in a theme.
+pub trait Dressed {
+    /// The context behind it.
+    fn context(&self) -> &Context;
+}
+
+impl Dressed for Context {
+    fn context(&self) -> &Context {
+        self
+    }
+}
+
+impl Dressed for Ui {
+    fn context(&self) -> &Context {
+        self.ctx()
+    }
+}
+
+impl Dressed for Painter {
+    fn context(&self) -> &Context {
+        self.ctx()
+    }
+}
+
+/// The colours of what is shown there.
+pub fn of(dressed: &impl Dressed) -> &'static Palette {
+    let panel = dressed.context().global_style().visuals.panel_fill;
+    let palettes = Theme::ALL.map(|(theme, _)| theme.palette());
+    palettes.into_iter().find(|palette| palette.panel == panel).unwrap_or(&palette::DARK)
+}
+
 /// Dresses a context. Idempotent.
-pub fn apply(ctx: &egui::Context) {
-    ctx.set_theme(Theme::Dark);
+pub fn apply(ctx: &Context, theme: Theme) {
+    ctx.set_theme(if theme == Theme::Light { egui::Theme::Light } else { egui::Theme::Dark });
     ctx.all_styles_mut(|style| {
+        let blinks = style.visuals.text_cursor.blink;
         style.text_styles = text_styles();
-        style.visuals = visuals();
+        style.visuals = visuals(theme);
+        style.visuals.text_cursor.blink = blinks;
         style.animation_time = 0.0;
         style.spacing.item_spacing = vec2(2.0 * GRID, GRID);
         style.spacing.button_padding = vec2(2.0 * GRID, 2.0);
@@ -59,38 +120,40 @@ fn text_styles() -> std::collections::BTreeMap<TextStyle, FontId> {
     .into()
 }
 
-fn visuals() -> Visuals {
-    let mut visuals = Visuals::dark();
-    visuals.panel_fill = PANEL;
-    visuals.window_fill = Color32::from_rgb(31, 34, 40);
-    visuals.window_stroke = Stroke::new(1.0, LINE);
+fn visuals(theme: Theme) -> Visuals {
+    let palette = theme.palette();
+    let mut visuals = if theme == Theme::Light { Visuals::light() } else { Visuals::dark() };
+    visuals.panel_fill = palette.panel;
+    visuals.window_fill = palette.window;
+    visuals.window_stroke = Stroke::new(1.0, palette.line);
     visuals.window_corner_radius = CornerRadius::same(6);
-    visuals.window_shadow = Shadow { offset: [0, 6], blur: 18, spread: 0, color: Color32::from_black_alpha(110) };
+    visuals.window_shadow = Shadow { offset: [0, 6], blur: 18, spread: 0, color: palette.shadow };
     visuals.popup_shadow = visuals.window_shadow;
-    visuals.extreme_bg_color = CANVAS;
-    visuals.faint_bg_color = Color32::from_rgb(30, 33, 39);
+    visuals.extreme_bg_color = palette.field;
+    visuals.faint_bg_color = palette.faint;
     visuals.override_text_color = None;
-    visuals.weak_text_color = Some(WEAK);
-    visuals.warn_fg_color = WARNING;
-    visuals.error_fg_color = ERROR;
-    visuals.hyperlink_color = ACCENT;
-    visuals.selection.bg_fill = Color32::from_rgb(42, 78, 130);
-    visuals.selection.stroke = Stroke::new(1.0, Color32::from_rgb(214, 230, 255));
+    visuals.weak_text_color = Some(palette.weak);
+    visuals.warn_fg_color = palette.warning;
+    visuals.error_fg_color = palette.error;
+    visuals.hyperlink_color = palette.accent;
+    visuals.selection.bg_fill = palette.selection;
+    visuals.selection.stroke = Stroke::new(1.0, palette.selected);
     visuals.slider_trailing_fill = true;
     visuals.handle_shape = egui::style::HandleShape::Circle;
-    widget_visuals(&mut visuals);
+    widget_visuals(&mut visuals, palette);
     visuals
 }
 
-fn widget_visuals(visuals: &mut Visuals) {
+fn widget_visuals(visuals: &mut Visuals, palette: &Palette) {
     let widgets = &mut visuals.widgets;
     let radius = CornerRadius::same(4);
+    let [inactive, hovered, active, open] = palette.widgets;
     let states = [
-        (&mut widgets.noninteractive, PANEL, LINE, TEXT),
-        (&mut widgets.inactive, Color32::from_rgb(43, 47, 56), Color32::TRANSPARENT, TEXT),
-        (&mut widgets.hovered, Color32::from_rgb(55, 61, 73), Color32::from_rgb(82, 91, 108), STRONG),
-        (&mut widgets.active, Color32::from_rgb(64, 72, 87), ACCENT, STRONG),
-        (&mut widgets.open, Color32::from_rgb(50, 55, 66), LINE, STRONG),
+        (&mut widgets.noninteractive, palette.panel, palette.line, palette.text),
+        (&mut widgets.inactive, inactive, palette.edge, palette.text),
+        (&mut widgets.hovered, hovered, palette.weak, palette.strong),
+        (&mut widgets.active, active, palette.accent, palette.strong),
+        (&mut widgets.open, open, palette.line, palette.strong),
     ];
     for (state, fill, line, text) in states {
         state.bg_fill = fill;
@@ -99,5 +162,19 @@ fn widget_visuals(visuals: &mut Visuals) {
         state.fg_stroke = Stroke::new(1.2, text);
         state.corner_radius = radius;
         state.expansion = 0.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_context_tells_the_theme_that_it_is_dressed_in() {
+        let ctx = Context::default();
+        for (theme, name) in Theme::ALL {
+            apply(&ctx, theme);
+            assert_eq!(of(&ctx), theme.palette(), "{name}");
+        }
     }
 }

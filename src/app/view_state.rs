@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::dock::{DockView, Panel, Preset};
 use super::dolly::Dolly;
 use super::drying_view::DryingView;
 use super::export_view::ExportView;
@@ -15,7 +16,7 @@ use crate::measure::{Axis, Metric};
 use crate::reference::Region;
 use crate::scene::SphereOrbit;
 
-/// What the middle of the window shows.
+/// Which of the main panels are in sight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Layout {
@@ -28,12 +29,31 @@ pub enum Layout {
     Map,
     /// Figures of every method, measured and plotted.
     Figures,
+    /// The lit surface and the figures beside each other.
+    SurfaceFigures,
 }
 
 impl Layout {
     /// Every layout with its name, in the order they are offered.
-    pub const ALL: [(Self, &'static str); 4] =
-        [(Self::Surface, "Surface"), (Self::Split, "Split"), (Self::Map, "Map"), (Self::Figures, "Figures")];
+    pub const ALL: [(Self, &'static str); 5] = [
+        (Self::Surface, "Surface"),
+        (Self::Split, "Split"),
+        (Self::Map, "Map"),
+        (Self::Figures, "Figures"),
+        (Self::SurfaceFigures, "Surface and figures"),
+    ];
+    /// Those that stand above the main panels; the others come by presets and from the menu.
+    pub const OFFERED: [(Self, &'static str); 4] = [Self::ALL[0], Self::ALL[1], Self::ALL[2], Self::ALL[3]];
+
+    /// True where it shows this main panel.
+    pub fn shows(self, panel: Panel) -> bool {
+        match panel {
+            Panel::Surface => matches!(self, Self::Surface | Self::Split | Self::SurfaceFigures),
+            Panel::Map => matches!(self, Self::Map | Self::Split),
+            Panel::Figures => matches!(self, Self::Figures | Self::SurfaceFigures),
+            Panel::Controls | Panel::Texel | Panel::Levels => false,
+        }
+    }
 }
 
 /// Where the map view looks.
@@ -146,8 +166,10 @@ impl Default for NeedlesView {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ViewState {
-    /// What the middle shows.
+    /// The main panels in sight.
     pub layout: Layout,
+    /// The panels beside them, and where all of them stand.
+    pub dock: DockView,
     /// The map view.
     pub map: MapView,
     /// The figures.
@@ -210,6 +232,18 @@ impl MapView {
 }
 
 impl ViewState {
+    /// Shows what a preset has, where it has it.
+    pub fn choose(&mut self, preset: Preset) {
+        self.layout = preset.layout();
+        self.dock = DockView { preset, sides: preset.sides(), place: None };
+    }
+
+    /// True where a panel is in sight, or would be were it not behind another.
+    pub fn shows(&self, panel: Panel) -> bool {
+        let mut sides = self.dock.sides;
+        sides.switch(panel).map_or_else(|| self.layout.shows(panel), |shown| *shown)
+    }
+
     /// True while a light or the camera moves by itself.
     pub fn is_playing(&self) -> bool {
         self.light.is_sweeping || self.dolly.is_playing || self.drying.is_playing

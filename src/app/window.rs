@@ -1,20 +1,29 @@
 //! The native window: which adapter draws it, and what is said where none can open.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use eframe::{CreationContext, Frame, NativeOptions};
 use egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 
-use super::inspector::{Inspector, Surroundings, wake_of};
+use super::inspector::{Carried, Inspector, Surroundings};
 use super::viewport::PaintTarget;
 use crate::gpu::context::{self, AdapterChoice, Gpu};
 use crate::gpu::frame::FrameBudget;
 use crate::jobs::Wake;
 use crate::session::Session;
+
+mod device_watch;
+mod display;
+mod frame_log;
+use device_watch::{Caller, DeviceWatch};
+use frame_log::FrameLog;
+
+/// So many devices may be lost in one run; after that there is something wrong that another window does not mend.
+const MOST_LOSSES: usize = 5;
 
 /// Why no window opened, in a sentence that names the way out.
 #[derive(Debug, thiserror::Error)]
@@ -40,6 +49,12 @@ pub enum WindowError {
     /// The frame log cannot be written.
     #[error("the frame log '{0}' cannot be written: {1}")]
     FrameLog(String, std::io::Error),
+    /// Devices are lost again and again.
+    #[error(
+        "the graphics device was lost {0} times, so the window gave up; the session is kept, and the next start goes \
+         on with it"
+    )]
+    DeviceLost(usize),
     /// Anything else the windowing system said.
     #[error(
         "no window can be opened: {0}; \
@@ -48,60 +63,98 @@ pub enum WindowError {
     Other(String),
 }
 
-struct Window {
-    inspector: Inspector,
+/// What outlives a window whose device was lost.
+#[derive(Default)]
+struct Kept {
+    carried: Option<Carried>,
     log: Option<FrameLog>,
+    losses: usize,
 }
 
-/// A file with one line per frame: milliseconds since the window opened when the frame began, and milliseconds that
-/// the program itself spent on it, drawing by the adapter left out. The gaps between lines are the pace.
-struct FrameLog {
-    file: BufWriter<File>,
-    opened: Instant,
-    began: Instant,
-}
-
-impl FrameLog {
-    fn create(path: &Path) -> Result<Self, WindowError> {
-        let file = File::create(path).map_err(|cause| WindowError::FrameLog(path.display().to_string(), cause))?;
-        Ok(Self { file: BufWriter::new(file), opened: Instant::now(), began: Instant::now() })
-    }
-
-    fn end(&mut self) {
-        let milliseconds = |duration: Duration| duration.as_secs_f64() * 1000.0;
-        let (at, took) = (milliseconds(self.began - self.opened), milliseconds(self.began.elapsed()));
-        let written = writeln!(self.file, "{at:.3} {took:.3}").and_then(|()| self.file.flush());
-        if let Err(error) = written {
-            log::warn!("a line of the frame log was lost: {error}");
-        }
-    }
+/// The window while it is open.
+struct Window {
+    inspector: Option<Inspector>,
+    log: Option<FrameLog>,
+    device: DeviceWatch,
+    kept: Rc<RefCell<Kept>>,
 }
 
 impl eframe::App for Window {
-    fn logic(&mut self, ctx: &egui::Context, _frame: &mut Frame) {
+    fn logic(&mut self, ctx: &egui::Context, frame: &mut Frame) {
         if let Some(log) = &mut self.log {
-            log.began = Instant::now();
+            log.begin(frame.info().cpu_usage);
         }
-        self.inspector.logic(ctx);
+        self.device.rehearse(ctx);
+        if self.device.is_lost() {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        } else if let Some(inspector) = &mut self.inspector {
+            inspector.logic(ctx);
+        }
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut Frame) {
-        self.inspector.ui(ui);
+        if let Some(inspector) = self.inspector.as_mut().filter(|_| !self.device.is_lost()) {
+            inspector.ui(ui);
+        }
         if let Some(log) = &mut self.log {
-            log.end();
+            log.end_panels();
         }
     }
 
     fn on_exit(&mut self) {
-        self.inspector.finish();
+        let Some(mut inspector) = self.inspector.take() else { return };
+        inspector.finish();
+        if self.device.is_lost() {
+            let mut kept = self.kept.borrow_mut();
+            kept.losses += 1;
+            (kept.carried, kept.log) = (Some(inspector.into_carried()), self.log.take());
+        }
     }
 }
 
-/// Opens the window on the session that `make` builds, and returns when it is closed. Every frame leaves a line in
-/// `frame_log`, where that is given.
-pub fn run(make: impl FnOnce(Wake) -> Session, frame_log: Option<&Path>) -> Result<(), WindowError> {
-    check_display()?;
-    let log = frame_log.map(FrameLog::create).transpose()?;
+/// How the window is opened.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WindowSettings<'a> {
+    /// The file in which every frame leaves a line.
+    pub frame_log: Option<&'a Path>,
+    /// Gives the device up so long after the window has opened, as a driver that fails would.
+    pub lose_device_after: Option<Duration>,
+}
+
+/// Opens the window on the session that `make` builds, and returns when it is closed.
+///
+/// A device that is lost takes its window along, for the toolkit keeps one device to a window: another is opened on the
+/// same document, with the fit, the view and the history that there were.
+pub fn run(make: impl FnOnce(Wake) -> Session, settings: &WindowSettings<'_>) -> Result<(), WindowError> {
+    display::check()?;
+    let kept = Rc::new(RefCell::new(Kept::default()));
+    kept.borrow_mut().log = settings.frame_log.map(FrameLog::create).transpose()?;
+    let caller = Caller::default();
+    let session = make(caller.wake());
+    open(&kept, &caller, Document::New(Box::new(session)), settings.lose_device_after)?;
+    loop {
+        let carried = kept.borrow_mut().carried.take();
+        let losses = kept.borrow().losses;
+        let Some(carried) = carried else { return Ok(()) };
+        if losses > MOST_LOSSES {
+            return Err(WindowError::DeviceLost(losses));
+        }
+        open(&kept, &caller, Document::Carried(Box::new(carried)), None)?;
+    }
+}
+
+/// What a window opens on.
+enum Document {
+    New(Box<Session>),
+    Carried(Box<Carried>),
+}
+
+fn open(
+    kept: &Rc<RefCell<Kept>>,
+    caller: &Caller,
+    document: Document,
+    lose_after: Option<Duration>,
+) -> Result<(), WindowError> {
     let options = NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("NDF Inspector")
@@ -113,16 +166,29 @@ pub fn run(make: impl FnOnce(Wake) -> Session, frame_log: Option<&Path>) -> Resu
         dithering: false,
         ..Default::default()
     };
-    let create = Box::new(|creation: &CreationContext<'_>| {
-        let inspector = inspector(creation, make)?;
-        Ok(Box::new(Window { inspector, log }) as Box<dyn eframe::App>)
+    let (kept, caller) = (Rc::clone(kept), caller.clone());
+    let create = Box::new(move |creation: &CreationContext<'_>| {
+        caller.follow(&creation.egui_ctx);
+        let surroundings = surroundings(creation)?;
+        let device = DeviceWatch::new(&surroundings.gpu.device, &creation.egui_ctx, lose_after);
+        let ctx = &creation.egui_ctx;
+        let inspector = match document {
+            Document::New(session) => {
+                let mut inspector = Inspector::new(ctx, *session, surroundings);
+                inspector.keep_document();
+                inspector
+            }
+            Document::Carried(carried) => Inspector::revive(ctx, *carried, surroundings),
+        };
+        let log = kept.borrow_mut().log.take();
+        Ok(Box::new(Window { inspector: Some(inspector), log, device, kept }) as Box<dyn eframe::App>)
     });
     eframe::run_native("ndf-inspector", options, create).map_err(|error| explain(&error))
 }
 
 type DynError = Box<dyn std::error::Error + Send + Sync>;
 
-fn inspector(creation: &CreationContext<'_>, make: impl FnOnce(Wake) -> Session) -> Result<Inspector, DynError> {
+fn surroundings(creation: &CreationContext<'_>) -> Result<Surroundings, DynError> {
     let state = creation.wgpu_render_state.as_ref().ok_or("the window came without a graphics device")?;
     let gpu = Gpu {
         instance: state.instance.clone(),
@@ -135,11 +201,7 @@ fn inspector(creation: &CreationContext<'_>, make: impl FnOnce(Wake) -> Session)
     let truth_batch = if gpu.choice.software { 4 } else { 16 };
     let budget = FrameBudget { truth_batch, ..Default::default() };
     let target = PaintTarget { format: state.target_format, budget, times_passes: true, ..Default::default() };
-    let surroundings = Surroundings { gpu, target, live: true };
-    let ctx = &creation.egui_ctx;
-    let mut inspector = Inspector::new(ctx, make(wake_of(ctx)), surroundings);
-    inspector.keep_document();
-    Ok(inspector)
+    Ok(Surroundings { gpu, target, live: true })
 }
 
 /// Our own ranking of adapters and our own limits.
@@ -149,48 +211,6 @@ pub fn wgpu_setup() -> WgpuSetup {
         Some(Arc::new(|adapters, surface| context::select(adapters, surface).map_err(|error| error.to_string())));
     setup.device_descriptor = Arc::new(context::device_descriptor);
     WgpuSetup::CreateNew(setup)
-}
-
-/// On Linux and the BSDs: a display must be named, and its keyboard library present, which would panic later.
-fn check_display() -> Result<(), WindowError> {
-    if !cfg!(all(unix, not(target_os = "macos"))) {
-        return Ok(());
-    }
-    let named = |variable: &str| std::env::var_os(variable).is_some_and(|value| !value.is_empty());
-    let wayland = named("WAYLAND_DISPLAY") || named("WAYLAND_SOCKET");
-    if !wayland && !named("DISPLAY") {
-        return Err(WindowError::NoDisplay("neither DISPLAY nor WAYLAND_DISPLAY is set".to_owned()));
-    }
-    if !library_is_there("libxkbcommon.so.0") {
-        return Err(WindowError::NoLibrary("libxkbcommon", "libxkbcommon0"));
-    }
-    if !wayland && !library_is_there("libxkbcommon-x11.so.0") {
-        return Err(WindowError::NoLibrary("libxkbcommon-x11", "libxkbcommon-x11-0"));
-    }
-    Ok(())
-}
-
-/// Looks where the loader looks: `LD_LIBRARY_PATH`, and the system's folders one level down. Says yes when it found
-/// no library folder at all, as on systems that keep them elsewhere.
-fn library_is_there(file: &str) -> bool {
-    let own = std::env::var("LD_LIBRARY_PATH").unwrap_or_default();
-    let system = ["/lib", "/lib64", "/usr/lib", "/usr/lib64", "/usr/local/lib"];
-    let mut folders: Vec<PathBuf> = own.split(':').filter(|f| !f.is_empty()).map(Into::into).collect();
-    folders.extend(system.iter().map(Into::into));
-    let below = |folder: &Path| -> Vec<PathBuf> {
-        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect()
-    };
-    let nested: Vec<_> = folders.iter().flat_map(|folder| below(folder)).collect();
-    folders.extend(nested);
-    let mut present = folders.iter().filter(|folder| folder.is_dir()).peekable();
-    present.peek().is_none()
-        || present.any(|folder| folder.join(file).exists())
-        || !folders.iter().any(|folder| has_libc(folder))
-}
-
-fn has_libc(folder: &Path) -> bool {
-    folder.join("libc.so.6").exists()
 }
 
 fn explain(error: &eframe::Error) -> WindowError {

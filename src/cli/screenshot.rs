@@ -6,6 +6,8 @@ use clap::Args;
 
 use super::options::read_text;
 use super::render::{PictureSize, SceneArguments};
+use crate::app::dock::Preset;
+use crate::app::theme::Theme;
 use crate::gpu::Gpu;
 use crate::headless::script::Script;
 use crate::headless::{Headless, ScreenshotSettings};
@@ -31,6 +33,12 @@ pub struct ScreenshotCommand {
     /// Pixels per point: 2 draws everything twice as large.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     pub scale: f32,
+    /// What the window is used for, and so which panels it shows: inspect, compare, tune or map-only.
+    #[arg(long, value_name = "PRESET")]
+    pub preset: Option<Preset>,
+    /// How the window looks: dark, light or high-contrast.
+    #[arg(long, value_name = "THEME", default_value = "dark")]
+    pub theme: Theme,
     /// The selected texel.
     #[arg(long, value_name = "LEVEL,X,Y")]
     pub texel: Option<Texel>,
@@ -59,6 +67,10 @@ impl ScreenshotCommand {
             session.begin(*session.fit_settings());
             session
         });
+        window.inspector.change_settings(|settings| settings.theme = self.theme);
+        if let Some(preset) = self.preset {
+            window.show(preset);
+        }
         if let Some(script) = script {
             window.play(&script)?;
         }

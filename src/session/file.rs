@@ -52,6 +52,9 @@ pub struct SessionFile {
     pub selected: Option<Texel>,
     /// Samples per pixel of the truth.
     pub truth_samples: Option<u32>,
+    /// The session file that the document is saved to, where this one is what the window keeps between runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub saved_as: Option<PathBuf>,
     /// The window's layout, as the window has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<Value>,
@@ -165,7 +168,10 @@ impl SessionFile {
         if let Some(MapReference::Path(map)) = &mut self.map {
             change(map);
         }
-        [&mut self.map_options.color, &mut self.measured].into_iter().flatten().for_each(&mut change);
+        [&mut self.map_options.color, &mut self.measured, &mut self.saved_as]
+            .into_iter()
+            .flatten()
+            .for_each(&mut change);
         if let Some(SkySource::Path(sky)) = &mut self.sky {
             change(sky);
         }
@@ -224,6 +230,7 @@ impl Session {
             comparison: self.comparison,
             selected: Some(self.selected),
             truth_samples: Some(self.truth_samples),
+            saved_as: None,
             view: None,
             unknown: self.unknown.clone(),
             path: None,
@@ -233,6 +240,7 @@ impl Session {
     /// Takes everything but the map from a file's contents, before the first fit starts.
     pub fn apply(&mut self, file: &SessionFile) {
         self.take_settings(file);
+        self.view.clone_from(&file.view);
         if file.fit != *self.fit_settings() {
             self.fitting.restart(file.fit);
         }

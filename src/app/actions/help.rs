@@ -3,6 +3,7 @@
 use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
+use crate::app::Command;
 use crate::app::view_state::Overlay;
 
 pub fn actions() -> Vec<Action> {
@@ -13,6 +14,7 @@ pub fn actions() -> Vec<Action> {
             .key(Modifiers::NONE, Key::Questionmark)
             .key(Modifiers::SHIFT, Key::Slash)
             .key(Modifiers::NONE, Key::F1),
+        Action::new(Menu::Help, "tour", "Tour of the window", |_| Some(Command::StartTour)),
         Action::of_view(Menu::Help, "messages", "Messages so far", |view| view.overlay = Overlay::Log),
     ]
 }

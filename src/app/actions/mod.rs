@@ -5,6 +5,7 @@
 mod edit;
 mod file;
 mod help;
+mod looks;
 mod methods;
 mod texels;
 mod view;

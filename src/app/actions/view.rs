@@ -2,10 +2,12 @@
 
 use egui::{Key, Modifiers};
 
+use super::looks;
 use super::methods::change;
 use super::texels;
 use super::{Action, Facts, Menu};
 use crate::app::Command;
+use crate::app::dock::Preset;
 use crate::app::view_state::{Layout, ViewState};
 use crate::comparison::View;
 use crate::lit_surface::LitSurface;
@@ -17,19 +19,45 @@ const ZOOM_STEP: f32 = 1.25;
 const ZOOMS: [f32; 2] = [0.25, 256.0];
 
 pub fn actions() -> Vec<Action> {
-    [layouts(), views(), zoom(), exposure(), texels::actions(), sphere(), resets()].into_iter().flatten().collect()
+    [presets(), sides(), layouts(), views(), zoom(), exposure(), texels::actions(), sphere(), resets()]
+        .into_iter()
+        .flatten()
+        .chain(looks::actions())
+        .collect()
 }
 
 fn of_view(name: &str, label: &str, change: fn(&mut ViewState)) -> Action {
     Action::of_view(Menu::View, name, label, change)
 }
 
-fn layouts() -> Vec<Action> {
+fn presets() -> Vec<Action> {
+    let preset = |name, label, change, key| of_view(name, label, change).inside("Presets").key(Modifiers::SHIFT, key);
     vec![
-        of_view("layout-surface", "Surface", |view| view.layout = Layout::Surface).key(Modifiers::NONE, Key::F2),
-        of_view("layout-split", "Split", |view| view.layout = Layout::Split).key(Modifiers::NONE, Key::F3),
-        of_view("layout-map", "Map", |view| view.layout = Layout::Map).key(Modifiers::NONE, Key::F4),
-        of_view("layout-figures", "Figures", |view| view.layout = Layout::Figures).key(Modifiers::NONE, Key::F5),
+        preset("preset-inspect", "Inspect", |view| view.choose(Preset::Inspect), Key::F2),
+        preset("preset-compare", "Compare", |view| view.choose(Preset::Compare), Key::F3),
+        preset("preset-tune", "Tune", |view| view.choose(Preset::Tune), Key::F4),
+        preset("preset-map-only", "Map only", |view| view.choose(Preset::MapOnly), Key::F5),
+    ]
+}
+
+/// Switches of the panels beside the main ones.
+fn sides() -> Vec<Action> {
+    let switch = |name, label, change| of_view(name, label, change).inside("Panels");
+    vec![
+        switch("panel-controls", "Show or hide controls", |view| view.dock.sides.controls ^= true),
+        switch("panel-texel", "Show or hide texel", |view| view.dock.sides.texel ^= true),
+        switch("panel-levels", "Show or hide levels", |view| view.dock.sides.levels ^= true),
+    ]
+}
+
+fn layouts() -> Vec<Action> {
+    let main = |name, label, change, key| of_view(name, label, change).inside("Main panels").key(Modifiers::NONE, key);
+    vec![
+        main("layout-surface", "Surface", |view| view.layout = Layout::Surface, Key::F2),
+        main("layout-split", "Split", |view| view.layout = Layout::Split, Key::F3),
+        main("layout-map", "Map", |view| view.layout = Layout::Map, Key::F4),
+        main("layout-figures", "Figures", |view| view.layout = Layout::Figures, Key::F5),
+        main("layout-surface-figures", "Surface and figures", |view| view.layout = Layout::SurfaceFigures, Key::F6),
     ]
 }
 
@@ -126,7 +154,8 @@ fn sphere() -> Vec<Action> {
 
 fn resets() -> Vec<Action> {
     vec![
-        of_view("reset-view", "Reset view", |view| *view = ViewState::default()).after_rule(),
+        of_view("reset-layout", "Reset layout", |view| view.choose(view.dock.preset)).after_rule(),
+        of_view("reset-view", "Reset view", |view| *view = ViewState::default()),
         Action::new(Menu::View, "reset-camera", "Reset camera", |facts| {
             surface(facts, |surface| surface.camera = Camera::default())
         }),

@@ -9,7 +9,7 @@ use super::{PanelContext, judged_method, small_plot, toggle};
 use crate::app::brdf_report::BrdfShape;
 use crate::app::method_style::MethodStyle;
 use crate::app::texel_scale::significant;
-use crate::app::theme;
+use crate::app::theme::{self, Palette};
 use crate::color::heat;
 use crate::filter::Method;
 use crate::filter::brdf_shape::Disc;
@@ -32,12 +32,12 @@ const COLUMNS: [(&str, &str); 4] = [
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let tooltip =
         "The texel's BRDF as a function of the half vector: the truth of all its normals and what methods make of it.";
-    toggle(ui, &mut context.view.show_brdf, "Effective BRDF", tooltip);
+    toggle(ui, &mut context.view.show_brdf, false, "Effective BRDF", tooltip);
     if !context.view.show_brdf {
         return;
     }
     ui.horizontal(|ui| {
-        ui.label(RichText::new("Truth beside").small().color(theme::WEAK));
+        ui.label(RichText::new("Truth beside").small().color(theme::of(ui).weak));
         judged_method::show(ui, context, "Effective BRDF of");
     });
     ui.scope(|ui| {
@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         discs(ui, context);
         let shapes = context.brdf.shapes();
         if shapes.is_empty() {
-            ui.label(RichText::new("working it out…").small().color(theme::WEAK));
+            ui.label(RichText::new("working it out…").small().color(theme::of(ui).weak));
         } else {
             slice(ui, shapes);
             table(ui, shapes);
@@ -64,10 +64,10 @@ fn discs(ui: &mut Ui, context: &mut PanelContext<'_>) {
         ui.spacing_mut().item_spacing.x = theme::GRID;
         for ((texture, disc), name) in textures.into_iter().zip(&discs.discs).zip(&names) {
             ui.vertical(|ui| {
-                ui.label(RichText::new(name).small().color(theme::WEAK));
+                ui.label(RichText::new(name).small().color(theme::of(ui).weak));
                 let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
                 ui.painter().image(texture, rect, WHOLE, Color32::WHITE);
-                ui.painter().circle_stroke(rect.center(), 0.5 * side, egui::Stroke::new(1.0, theme::LINE));
+                ui.painter().circle_stroke(rect.center(), 0.5 * side, egui::Stroke::new(1.0, theme::of(ui).line));
                 let value = response.hover_pos().and_then(|at| value_at(disc, rect, at));
                 response.accessible_name(format!("Hemisphere of {name}"));
                 if let Some(text) = value {
@@ -79,10 +79,10 @@ fn discs(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 8.0), Sense::hover());
     gradient(ui.painter(), rect, heat);
     ui.horizontal(|ui| {
-        ui.label(RichText::new("0").small().color(theme::WEAK));
+        ui.label(RichText::new("0").small().color(theme::of(ui).weak));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let highest = format!("{} per sr, linear", significant(f64::from(discs.highest)));
-            ui.label(RichText::new(highest).small().color(theme::WEAK));
+            ui.label(RichText::new(highest).small().color(theme::of(ui).weak));
         });
     });
 }
@@ -112,7 +112,8 @@ fn slice(ui: &mut Ui, shapes: &[BrdfShape]) {
         .show(ui, |plot| {
             plot.set_plot_bounds_x(-90.0..=90.0);
             for shape in shapes.iter().rev() {
-                plot.line(MethodStyle::of(shape.method).line(&shape.method.label(), shape.slice.clone()));
+                let style = MethodStyle::of(shape.method, theme::of(plot.ctx()));
+                plot.line(style.line(&shape.method.label(), shape.slice.clone()));
             }
         });
 }
@@ -125,13 +126,13 @@ fn table(ui: &mut Ui, shapes: &[BrdfShape]) {
     let number = |ui: &mut Ui, text: String| drop(right(ui, RichText::new(text).size(11.5).monospace()));
     let column = (ui.available_width() / 6.0).floor();
     Grid::new("brdf peaks").num_columns(1 + COLUMNS.len()).min_col_width(column).spacing([0.0, 3.0]).show(ui, |ui| {
-        ui.label(RichText::new("peak of").small().color(theme::WEAK));
+        ui.label(RichText::new("peak of").small().color(theme::of(ui).weak));
         for (name, meaning) in COLUMNS {
-            right(ui, RichText::new(name).small().color(theme::WEAK)).on_hover_text(meaning);
+            right(ui, RichText::new(name).small().color(theme::of(ui).weak)).on_hover_text(meaning);
         }
         ui.end_row();
         for BrdfShape { method, peak, error, .. } in shapes {
-            ui.label(name(*method));
+            ui.label(name(theme::of(ui), *method));
             let (theta, phi) = polar_deg(peak.direction.as_vec3());
             number(ui, format!("{theta:.1}°"));
             number(ui, format!("{phi:.1}°"));
@@ -143,11 +144,11 @@ fn table(ui: &mut Ui, shapes: &[BrdfShape]) {
 }
 
 /// A method's name behind a mark of its curve's colour.
-fn name(method: Method) -> LayoutJob {
+fn name(palette: &Palette, method: Method) -> LayoutJob {
     let mut job = LayoutJob::default();
     let font = FontId::proportional(11.5);
-    let mark = TextFormat::simple(FontId::proportional(18.0), MethodStyle::of(method).color);
+    let mark = TextFormat::simple(FontId::proportional(18.0), MethodStyle::of(method, palette).color);
     job.append("•", 0.0, TextFormat { valign: Align::Center, ..mark });
-    job.append(&method.label(), theme::GRID, TextFormat::simple(font, theme::TEXT));
+    job.append(&method.label(), theme::GRID, TextFormat::simple(font, palette.text));
     job
 }

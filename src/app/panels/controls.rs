@@ -6,8 +6,8 @@ use egui::{ProgressBar, RichText, ScrollArea, TextEdit, Ui};
 use glam::Vec3;
 
 use super::{PanelContext, heading, rule};
-use crate::app::parameter::{Parameter, choice, label};
-use crate::app::{Command, theme};
+use crate::app::parameter::{Parameter, about_choice, checkbox, choice, label};
+use crate::app::{Command, about, theme};
 use crate::filter::LevelChoice;
 use crate::filter::vmf::{Alignment, EStep, FitSettings, Objective, Selection};
 use crate::lit_surface::LitSurface;
@@ -69,12 +69,12 @@ fn map(ui: &mut Ui, context: &mut PanelContext<'_>) {
         }
     });
     if context.session.is_opening() {
-        ui.label(RichText::new("Reading a map").small().color(theme::ACCENT));
+        ui.label(RichText::new("Reading a map").small().color(theme::of(ui).accent));
     }
     reading(ui, context);
     doctor::findings(ui, context);
     for warning in context.session.map().warnings.iter().filter(|warning| !warning.is_found_by_the_doctor()) {
-        let text = RichText::new(format!("{warning}.")).small().color(theme::WARNING);
+        let text = RichText::new(format!("{warning}.")).small().color(theme::of(ui).warning);
         ui.add(egui::Label::new(text).wrap());
     }
 }
@@ -90,9 +90,10 @@ fn reading(ui: &mut Ui, context: &mut PanelContext<'_>) {
         }
         ui.horizontal(|ui| {
             label(ui, "Read as");
-            ui.checkbox(&mut options.two_channel, "two-channel").on_hover_text(p::TWO_CHANNEL);
+            checkbox(ui, &mut options.two_channel, false, "two-channel", p::TWO_CHANNEL);
             let mut is_height = options.height_scale.is_some();
-            if ui.checkbox(&mut is_height, "heights").on_hover_text(p::HEIGHTS).changed() {
+            checkbox(ui, &mut is_height, false, "heights", p::HEIGHTS);
+            if is_height != options.height_scale.is_some() {
                 options.height_scale = is_height.then_some(p::HEIGHT_SCALE.default as f32);
             }
         });
@@ -120,12 +121,16 @@ fn fit(ui: &mut Ui, context: &mut PanelContext<'_>) {
     alignment(ui, &mut settings);
     p::ITERATIONS.show_count(ui, &mut settings.iterations);
     let rules = [(KappaRule::Exact, "exact"), (KappaRule::Banerjee, "Banerjee (closed form)")];
-    if let Some(rule) = choice(ui, "Kappa from r", p::KAPPA, settings.kappa, &rules) {
+    if let Some(rule) =
+        about_choice(ui, "Kappa from r", p::KAPPA, (settings.kappa, about::kappa(settings.kappa)), &rules)
+    {
         settings.kappa = rule;
     }
     if settings.objective == Objective::Em || settings.align.pull().is_some() {
         let steps = [(EStep::WithAlpha, "with alpha"), (EStep::AsPrinted, "as printed")];
-        if let Some(step) = choice(ui, "E-step", p::E_STEP, settings.e_step, &steps) {
+        if let Some(step) =
+            about_choice(ui, "E-step", p::E_STEP, (settings.e_step, about::e_step(settings.e_step)), &steps)
+        {
             settings.e_step = step;
         }
     }
@@ -150,7 +155,9 @@ fn selection(ui: &mut Ui, settings: &mut FitSettings) {
         Selection::Bic => Kind::Bic,
     };
     let kinds = [(Kind::Fixed, "J in every texel"), (Kind::BrdfError, "auto: BRDF error"), (Kind::Bic, "auto: BIC")];
-    if let Some(kind) = choice(ui, "Lobe count", p::SELECTION, kind, &kinds) {
+    if let Some(kind) =
+        about_choice(ui, "Lobe count", p::SELECTION, (kind, about::selection(settings.selection)), &kinds)
+    {
         settings.selection = match kind {
             Kind::Fixed => Selection::Fixed,
             Kind::BrdfError => Selection::AUTO,
@@ -179,7 +186,9 @@ fn objective(ui: &mut Ui, settings: &mut FitSettings) {
         Objective::Likelihood => Kind::Likelihood,
     };
     let kinds = [(Kind::Appearance, "appearance"), (Kind::Em, "EM (Algorithm 1)"), (Kind::Likelihood, "likelihood")];
-    if let Some(kind) = choice(ui, "Objective", p::OBJECTIVE, kind, &kinds) {
+    if let Some(kind) =
+        about_choice(ui, "Objective", p::OBJECTIVE, (kind, about::objective(settings.objective)), &kinds)
+    {
         settings.objective = match kind {
             Kind::Appearance => Objective::APPEARANCE,
             Kind::Em => Objective::Em,
@@ -214,7 +223,7 @@ fn alignment(ui: &mut Ui, settings: &mut FitSettings) {
         (Kind::Map, "map (exact prior)"),
         (Kind::None, "none"),
     ];
-    if let Some(kind) = choice(ui, "Alignment", p::ALIGNMENT, kind, &kinds) {
+    if let Some(kind) = about_choice(ui, "Alignment", p::ALIGNMENT, (kind, about::alignment(settings.align)), &kinds) {
         settings.align = match kind {
             Kind::None => Alignment::None,
             Kind::Smooth => Alignment::default(),
@@ -238,8 +247,9 @@ fn progress(ui: &mut Ui, context: &mut PanelContext<'_>) {
             None if fitting.is_complete() => (1.0, "fitted".to_owned()),
             None => (0.0, "stopped".to_owned()),
         };
-        let color = if fitting.is_running() { theme::ACCENT.gamma_multiply(0.7) } else { theme::LINE };
-        let text = RichText::new(text).small().color(theme::STRONG);
+        let palette = theme::of(ui);
+        let color = if fitting.is_running() { palette.selection } else { palette.widgets[1] };
+        let text = RichText::new(text).small().color(theme::of(ui).strong);
         let bar = ProgressBar::new(fraction).desired_width(width).desired_height(theme::ROW).corner_radius(4);
         ui.add(bar.fill(color).text(text)).on_hover_text("How far the fit is, all levels together");
         let (name, command) =
@@ -250,10 +260,15 @@ fn progress(ui: &mut Ui, context: &mut PanelContext<'_>) {
     });
 }
 
-fn color(ui: &mut Ui, name: &str, value: &mut Vec3) {
+/// A colour to be chosen; a double click brings the default back.
+fn color(ui: &mut Ui, name: &str, value: &mut Vec3, default: Vec3) {
     let mut rgb = value.to_array();
-    let response = ui.color_edit_button_rgb(&mut rgb).accessible_name(name).on_hover_text(name);
-    if response.changed() {
+    let tooltip = format!("{name}. Double click resets.");
+    let response = ui.color_edit_button_rgb(&mut rgb).accessible_name(name).on_hover_text(tooltip);
+    if response.double_clicked() {
+        *value = default;
+        egui::Popup::close_all(ui.ctx());
+    } else if response.changed() {
         *value = rgb.into();
     }
 }

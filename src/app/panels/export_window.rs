@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use egui::{Button, Context, Id, Key, Modal, RichText, TextEdit, Ui, vec2};
 
 use super::{PanelContext, segmented};
-use crate::app::export_view::ExportKind;
+use crate::app::export_view::{ExportKind, ExportView};
 use crate::app::exports::ExportTarget;
-use crate::app::parameter::{choice, label};
+use crate::app::parameter::{checkbox, choice, label};
 use crate::app::view_state::Overlay;
 use crate::app::{Command, theme};
 use crate::export::lobe_shader::Language;
@@ -26,17 +26,20 @@ const PREVIEW: f32 = 128.0;
 pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
     let modal = Modal::new(Id::unique("export")).show(ctx, |ui| {
         ui.set_width(440.0);
-        ui.label(RichText::new("Export").heading().color(theme::STRONG));
+        ui.label(RichText::new("Export").heading().color(theme::of(ui).strong));
         ui.horizontal(|ui| {
-            segmented(ui, "Export", &mut context.view.export.kind, &ExportKind::ALL.map(|kind| (kind, kind.label())));
+            let default = ExportView::default().kind;
+            let kinds = ExportKind::ALL.map(|kind| (kind, kind.label()));
+            segmented(ui, "Export", &mut context.view.export.kind, default, &kinds);
         });
-        ui.label(RichText::new(context.view.export.kind.explanation()).small().color(theme::WEAK));
+        ui.label(RichText::new(context.view.export.kind.explanation()).small().color(theme::of(ui).weak));
         ui.add_space(theme::GRID);
         match context.view.export.kind {
             ExportKind::Roughness => roughness(ui, context),
             ExportKind::Shader => shader(ui, context),
             ExportKind::Picture => {
-                ui.checkbox(&mut context.view.export.caption, "settings below it").on_hover_text(CAPTION);
+                let default = ExportView::default().caption;
+                checkbox(ui, &mut context.view.export.caption, default, "settings below it", CAPTION);
             }
             ExportKind::Slopes | ExportKind::Lobes => {}
         }
@@ -77,7 +80,7 @@ fn roughness(ui: &mut Ui, context: &mut PanelContext<'_>) {
             }
             _ => format!("level {level}"),
         };
-        ui.label(RichText::new(text).small().color(theme::WEAK));
+        ui.label(RichText::new(text).small().color(theme::of(ui).weak));
     });
 }
 
@@ -88,7 +91,8 @@ fn shader(ui: &mut Ui, context: &mut PanelContext<'_>) {
     ui.horizontal(|ui| {
         label(ui, "Language");
         let languages = Language::ALL.map(|language| (language, language.label()));
-        segmented(ui, "Language", &mut context.view.export.language, &languages);
+        let default = ExportView::default().language;
+        segmented(ui, "Language", &mut context.view.export.language, default, &languages);
     });
 }
 
@@ -98,6 +102,9 @@ fn target(ui: &mut Ui, context: &mut PanelContext<'_>) -> bool {
     let field = TextEdit::singleline(&mut context.view.export.typed_path).desired_width(f32::INFINITY);
     let response = ui.add(field.hint_text(hint)).accessible_name("Path to export to");
     let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if !entered && ui.memory(|memory| memory.focused().is_none()) {
+        response.request_focus();
+    }
     let path = PathBuf::from(context.view.export.typed_path.trim());
     let ready = !context.exports.is_writing();
     let typed = ready && path.file_name().is_some();

@@ -5,9 +5,12 @@ use std::path::PathBuf;
 use egui::{Frame, Margin, ProgressBar, RichText, ScrollArea, TextEdit, Ui};
 
 use super::{PanelContext, segmented};
+use crate::app::Command;
 use crate::app::figures_file::{FileKind, Target};
 use crate::app::figures_plot::FiguresPlot;
-use crate::app::{Command, theme};
+use crate::app::parameter::checkbox;
+use crate::app::theme::{self, Palette};
+use crate::app::view_state::FiguresView;
 use crate::filter::{Method, Rival};
 use crate::measure::{Axis, Metric, Sweep, SweepRun};
 
@@ -18,7 +21,7 @@ const LEAST_HEIGHT: f32 = 200.0;
 
 /// Shows the choices, the plot, the values and the ways to save them.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
-    let frame = Frame::new().fill(theme::PANEL).inner_margin(Margin { left: 14, right: 6, top: 10, bottom: 6 });
+    let frame = Frame::new().fill(theme::of(ui).panel).inner_margin(Margin { left: 14, right: 6, top: 10, bottom: 6 });
     frame.show(ui, |ui| {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             ui.set_max_width(ui.available_width() - 8.0);
@@ -34,20 +37,29 @@ fn choices(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let view = &mut context.view.figures;
     ui.horizontal(|ui| {
         caption(ui, "Figure");
-        segmented(ui, "Figure", &mut view.metric, &Metric::ALL.map(|metric| (metric, metric.label())));
+        segmented(
+            ui,
+            "Figure",
+            &mut view.metric,
+            Metric::default(),
+            &Metric::ALL.map(|metric| (metric, metric.label())),
+        );
     })
     .response
     .on_hover_text(view.metric.explanation());
     ui.horizontal(|ui| {
         caption(ui, "Against");
-        segmented(ui, "Against", &mut view.axis, &Axis::ALL.map(|axis| (axis, axis.label())));
+        segmented(ui, "Against", &mut view.axis, Axis::default(), &Axis::ALL.map(|axis| (axis, axis.label())));
     });
     ui.horizontal_wrapped(|ui| {
         caption(ui, "Methods");
         for method in Method::offered().filter(|&method| is_measured(method)) {
             let mut on = view.methods.contains(&method);
             let name = method.label();
-            if ui.checkbox(&mut on, &name).accessible_name(format!("Measure {name}")).changed() {
+            let default = FiguresView::default().methods.contains(&method);
+            let was = on;
+            checkbox(ui, &mut on, default, &name, "Whether it is measured.").accessible_name(format!("Measure {name}"));
+            if on != was {
                 // In the order they are offered, whatever the order of the clicks.
                 let chosen = |other: &Method| if *other == method { on } else { view.methods.contains(other) };
                 view.methods = Method::offered().filter(chosen).collect();
@@ -64,7 +76,7 @@ fn caption(ui: &mut Ui, text: &str) {
     let size = egui::vec2(52.0, theme::ROW);
     ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
         ui.set_min_size(size);
-        ui.label(RichText::new(text).color(theme::WEAK));
+        ui.label(RichText::new(text).color(theme::of(ui).weak));
     });
 }
 
@@ -84,12 +96,12 @@ fn progress(ui: &mut Ui, context: &mut PanelContext<'_>) {
         }
         let (done, all) = run.map_or((0, sweep.steps()), SweepRun::steps);
         let is_running = run.is_some_and(SweepRun::is_running);
-        let color = if is_running { theme::ACCENT.gamma_multiply(0.7) } else { theme::LINE };
+        let color = if is_running { theme::of(ui).selection } else { theme::of(ui).widgets[1] };
         let fraction = done as f32 / all.max(1) as f32;
-        let text = RichText::new(format!("{done} of {all}")).small().color(theme::STRONG);
+        let text = RichText::new(format!("{done} of {all}")).small().color(theme::of(ui).strong);
         let bar = ProgressBar::new(fraction).desired_width(110.0).desired_height(theme::ROW).corner_radius(4);
         ui.add(bar.fill(color).text(text)).on_hover_text("How many figures are found");
-        let (sentence, color) = sentence(context, &sweep);
+        let (sentence, color) = sentence(theme::of(ui), context, &sweep);
         ui.add(egui::Label::new(RichText::new(sentence).small().color(color)).truncate());
     });
 }
@@ -100,9 +112,9 @@ fn button(ui: &mut Ui, text: &str, name: &str, enabled: bool) -> bool {
 }
 
 /// What is to be said of what is shown.
-fn sentence(context: &PanelContext<'_>, sweep: &Sweep) -> (String, egui::Color32) {
-    let weak = |text: &str| (text.to_owned(), theme::WEAK);
-    let warning = |text: &str| (text.to_owned(), theme::WARNING);
+fn sentence(palette: &Palette, context: &PanelContext<'_>, sweep: &Sweep) -> (String, egui::Color32) {
+    let weak = |text: &str| (text.to_owned(), palette.weak);
+    let warning = |text: &str| (text.to_owned(), palette.warning);
     let Some(run) = context.figures.run(sweep.axis) else {
         return match (sweep.values.is_empty(), sweep.settings.methods.is_empty()) {
             (true, _) => warning("Alignment is none: choose one that has a strength."),
@@ -112,7 +124,7 @@ fn sentence(context: &PanelContext<'_>, sweep: &Sweep) -> (String, egui::Color32
     };
     let settings = &run.sweep().settings;
     if run.is_running() {
-        (run.at().to_owned(), theme::ACCENT)
+        (run.at().to_owned(), palette.accent)
     } else if run.is_stale(context.session) {
         warning("Stale: map, material, light or fit have changed since.")
     } else if !run.is_complete() {
@@ -122,7 +134,7 @@ fn sentence(context: &PanelContext<'_>, sweep: &Sweep) -> (String, egui::Color32
     } else if sweep.settings.methods != settings.methods {
         weak("Other methods are chosen by now: start again.")
     } else {
-        (FiguresPlot::new(run, context.view.figures.metric).title().to_owned(), theme::WEAK)
+        (FiguresPlot::new(run, context.view.figures.metric).title().to_owned(), palette.weak)
     }
 }
 

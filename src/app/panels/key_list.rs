@@ -12,12 +12,15 @@ const GESTURES: [(&str, &str); 8] = [
     ("Drag on the surface", "orbit"),
     ("L + drag, or right drag", "move the light"),
     ("Wheel", "dolly, or zoom the map"),
-    ("Hold the space bar", "see the right method over all of the picture"),
-    ("Shift + drag on the surface", "choose the region of the figures; Esc clears it"),
+    ("Hold the space bar", "see the right method alone"),
+    ("Shift + drag on the surface", "choose the figures' region; Esc clears it"),
     ("Click on surface, map or level", "select the texel"),
     ("Drag on the sphere", "turn it"),
     ("Double click a control", "reset it"),
 ];
+
+/// Rows of a column, headings included.
+const ROWS: usize = 29;
 
 /// Shows the list until it is dismissed.
 pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
@@ -26,7 +29,7 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
         ui.set_width(room.x);
         ui.set_height(room.y);
         ui.horizontal(|ui| {
-            ui.label(RichText::new("Keys and gestures").heading().color(theme::STRONG));
+            ui.label(RichText::new("Keys and gestures").heading().color(theme::of(ui).strong));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 ui.button("Close").accessible_name("Close the keys").clicked()
             })
@@ -42,20 +45,37 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
 
 fn columns(ui: &mut Ui) -> bool {
     ui.horizontal_top(|ui| {
-        ui.spacing_mut().item_spacing.x = 24.0;
+        ui.spacing_mut().item_spacing.x = 18.0;
         ui.vertical(|ui| {
             gestures(ui);
             section(ui, Menu::File, None);
             section(ui, Menu::Edit, None);
+        });
+        ui.vertical(|ui| {
+            section(ui, Menu::View, None);
             section(ui, Menu::Help, None);
         });
-        ui.vertical(|ui| section(ui, Menu::View, None));
-        let submenus = submenus();
-        for group in submenus.chunks(2) {
-            ui.vertical(|ui| group.iter().for_each(|&(menu, name)| section(ui, menu, Some(name))));
+        for column in submenu_columns() {
+            ui.vertical(|ui| column.iter().for_each(|&(menu, name)| section(ui, menu, Some(name))));
         }
     });
     false
+}
+
+/// The menus within menus by columns of so many rows.
+fn submenu_columns() -> Vec<Vec<(Menu, &'static str)>> {
+    let mut columns: Vec<(usize, Vec<(Menu, &'static str)>)> = vec![(0, Vec::new())];
+    for (menu, name) in submenus() {
+        let rows = 2 + actions::all().iter().filter(|action| action.submenu == Some(name)).count();
+        match columns.last_mut() {
+            Some((filled, column)) if *filled + rows <= ROWS => {
+                *filled += rows;
+                column.push((menu, name));
+            }
+            _ => columns.push((rows, vec![(menu, name)])),
+        }
+    }
+    columns.into_iter().map(|(_, column)| column).collect()
 }
 
 /// Every menu within a menu, in order.
@@ -83,8 +103,8 @@ fn section(ui: &mut Ui, menu: Menu, submenu: Option<&'static str>) {
 fn grid(ui: &mut Ui, name: &str, rows: impl Iterator<Item = (String, String)>) {
     Grid::new(("keys", name)).num_columns(2).spacing([16.0, 2.0]).show(ui, |ui| {
         for (effect, keys) in rows {
-            ui.add(Label::new(RichText::new(effect).color(theme::TEXT)).extend());
-            ui.add(Label::new(RichText::new(keys).color(theme::ACCENT)).extend());
+            ui.add(Label::new(RichText::new(effect).color(theme::of(ui).text)).extend());
+            ui.add(Label::new(RichText::new(keys).color(theme::of(ui).accent)).extend());
             ui.end_row();
         }
     });

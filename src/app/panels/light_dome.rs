@@ -81,13 +81,13 @@ fn handle_at(surface: &LitSurface, center: Pos2, at: Pos2) -> Option<usize> {
 }
 
 fn paint(painter: &Painter, surface: &LitSurface, view: &LightView, center: Pos2) {
-    painter.circle_filled(center, RADIUS, theme::BADGE);
-    painter.circle_stroke(center, RADIUS, Stroke::new(1.0, theme::WEAK.gamma_multiply(0.7)));
-    painter.circle_stroke(center, 0.5 * RADIUS, Stroke::new(1.0, theme::WEAK.gamma_multiply(0.3)));
+    painter.circle_filled(center, RADIUS, theme::of(painter).badge);
+    painter.circle_stroke(center, RADIUS, Stroke::new(1.0, theme::of(painter).weak.gamma_multiply(0.7)));
+    painter.circle_stroke(center, 0.5 * RADIUS, Stroke::new(1.0, theme::of(painter).weak.gamma_multiply(0.3)));
     let several = surface.lights.as_slice().len() > 1;
     for (index, light) in surface.lights.as_slice().iter().enumerate() {
         let at = handle(light, &surface.camera, center);
-        let color = if light.elevation_deg >= 0.0 { theme::WARNING } else { theme::WEAK };
+        let color = if light.elevation_deg >= 0.0 { theme::of(painter).warning } else { theme::of(painter).weak };
         // A point light is no direction: it has a ring, and no ray.
         match light.distance {
             Some(_) => painter.circle_stroke(at, 6.0, Stroke::new(1.0, color)),
@@ -95,7 +95,7 @@ fn paint(painter: &Painter, surface: &LitSurface, view: &LightView, center: Pos2
         };
         painter.circle_filled(at, 4.0, color);
         if several && view.index(&surface.lights) == Some(index) {
-            painter.circle_stroke(at, 4.0, Stroke::new(1.5, theme::ACCENT));
+            painter.circle_stroke(at, 4.0, Stroke::new(1.5, theme::of(painter).accent));
         }
     }
 }

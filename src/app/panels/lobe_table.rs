@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, fit: &TexelFit) {
 }
 
 fn heading(ui: &Ui, cell: Rect, at: Pos2, align: Align2, (text, meaning): (&str, &str)) {
-    ui.painter().text(at, align, text, FontId::proportional(11.0), theme::WEAK);
+    ui.painter().text(at, align, text, FontId::proportional(11.0), theme::of(ui).weak);
     ui.interact(cell, ui.scope_id().with(text), Sense::hover()).on_hover_text(meaning);
 }
 
@@ -81,7 +81,13 @@ fn cell(numbers: Rect, index: usize) -> Rect {
 fn swatch(ui: &Ui, cell: Rect, slot: usize, color: Vec3) {
     let [r, g, b] = srgb8_from_linear(color);
     let square = Rect::from_center_size(cell.center(), Vec2::splat(SWATCH - 2.0));
-    ui.painter().rect(square, 2.0, Color32::from_rgb(r, g, b), Stroke::new(1.0, theme::LINE), StrokeKind::Outside);
+    ui.painter().rect(
+        square,
+        2.0,
+        Color32::from_rgb(r, g, b),
+        Stroke::new(1.0, theme::of(ui).line),
+        StrokeKind::Outside,
+    );
     let text = format!("y = {:.3}, {:.3}, {:.3} (linear RGB)", color.x, color.y, color.z);
     let response = ui.interact(cell, ui.scope_id().with(("colour", slot)), Sense::hover());
     let name = format!("Colour of lobe {}", slot + 1);
@@ -97,7 +103,7 @@ fn lobe_row(ui: &Ui, rect: Rect, slot: usize, lobe: &Lobe, color: Option<&Vec3>)
     let painter = ui.painter();
     painter.circle_filled(rect.left_center() + vec2(6.0, 0.0), 5.0, slot_color(slot));
     let number = rect.left_center() + vec2(17.0, 0.0);
-    painter.text(number, Align2::LEFT_CENTER, slot + 1, FontId::proportional(11.0), theme::WEAK);
+    painter.text(number, Align2::LEFT_CENTER, slot + 1, FontId::proportional(11.0), theme::of(ui).weak);
     let (theta, phi) = polar_deg(lobe.mean_direction.as_vec3());
     let width = lobe.concentration.sqrt().recip().to_degrees().min(180.0);
     let texts = [
@@ -109,7 +115,7 @@ fn lobe_row(ui: &Ui, rect: Rect, slot: usize, lobe: &Lobe, color: Option<&Vec3>)
     ];
     for (index, text) in texts.into_iter().enumerate() {
         let at = cell(numbers, index).right_center();
-        painter.text(at, Align2::RIGHT_CENTER, text, FontId::monospace(11.5), theme::TEXT);
+        painter.text(at, Align2::RIGHT_CENTER, text, FontId::monospace(11.5), theme::of(ui).text);
     }
 }
 

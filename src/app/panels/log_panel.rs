@@ -13,16 +13,16 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
     let modal = Modal::new(Id::unique("messages so far")).show(ctx, |ui| {
         ui.set_width(SIZE.x);
         let closes = ui.horizontal(|ui| {
-            ui.label(RichText::new("Messages").heading().color(theme::STRONG));
+            ui.label(RichText::new("Messages").heading().color(theme::of(ui).strong));
             let right = Layout::right_to_left(Align::Center);
             ui.with_layout(right, |ui| ui.button("Close").accessible_name("Close the messages").clicked()).inner
         });
         ScrollArea::vertical().max_height(SIZE.y).auto_shrink([false, true]).show(ui, |ui| {
             if context.said.is_empty() {
-                ui.label(RichText::new("Nothing was said yet.").color(theme::WEAK));
+                ui.label(RichText::new("Nothing was said yet.").color(theme::of(ui).weak));
             }
             for message in context.said.iter().rev() {
-                let color = if message.is_error { theme::ERROR } else { theme::TEXT };
+                let color = if message.is_error { theme::of(ui).error } else { theme::of(ui).text };
                 ui.add(Label::new(RichText::new(&message.text).color(color)).wrap());
             }
         });

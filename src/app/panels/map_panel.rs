@@ -80,7 +80,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     }
     let size = context.session.map().level_size(level);
     let text = format!("level {level} · {} × {} · {:.0} %", size.0, size.1, 100.0 * context.view.map.zoom);
-    badge(ui.painter(), rect.left_top() + vec2(12.0, 12.0), Align2::LEFT_TOP, &text, theme::TEXT);
+    badge(ui.painter(), rect.left_top() + vec2(12.0, 12.0), Align2::LEFT_TOP, &text, theme::of(ui).text);
     choose_levels(ui, context, rect);
 }
 
@@ -88,7 +88,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
 fn beside(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let scale = context.view.map.shading.scale(context.session);
     if let (Layout::Map, Some(scale)) = (context.view.layout, scale) {
-        let frame = Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(10, 8));
+        let frame = Frame::new().fill(theme::of(ui).panel).inner_margin(Margin::symmetric(10, 8));
         let side = Panel::right("map side").frame(frame).exact_size(side::WIDTH).resizable(false);
         side.show(ui, |ui| side::show(ui, context, &scale));
     }
@@ -145,12 +145,13 @@ fn navigate(ui: &Ui, context: &mut PanelContext<'_>, response: &Response, view: 
 pub fn badge(painter: &Painter, at: egui::Pos2, align: Align2, text: &str, color: Color32) -> Rect {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.0), color);
     let rect = align.anchor_size(at, galley.size() + vec2(16.0, 8.0));
-    painter.rect_filled(rect, 4.0, theme::BADGE);
+    painter.rect_filled(rect, 4.0, theme::of(painter).badge);
     painter.galley(rect.min + vec2(8.0, 4.0), galley, color);
     rect
 }
 
 /// How large the label of a text is.
 pub fn badge_size(painter: &Painter, text: &str) -> Vec2 {
-    painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.0), theme::TEXT).size() + vec2(16.0, 8.0)
+    painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.0), theme::of(painter).text).size()
+        + vec2(16.0, 8.0)
 }

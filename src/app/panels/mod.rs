@@ -1,5 +1,6 @@
 //! The panels, one file each. A panel reads the session, keeps its own view state, and pushes commands.
 
+pub mod about_button;
 pub mod brdf_section;
 pub mod controls;
 pub mod export_window;
@@ -21,6 +22,7 @@ pub mod surface_overlay;
 pub mod surface_panel;
 pub mod toasts;
 pub mod top_bar;
+pub mod tour_card;
 pub mod trace_plot;
 
 use egui::{Response, RichText, Ui};
@@ -95,32 +97,47 @@ impl PanelContext<'_> {
 pub fn rule(ui: &mut Ui) {
     ui.add_space(theme::GRID);
     let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 1.0), egui::Sense::hover());
-    ui.painter().rect_filled(rect, 0.0, theme::LINE);
+    ui.painter().rect_filled(rect, 0.0, theme::of(ui).line);
     ui.add_space(2.0);
 }
 
 /// The heading of a group.
 pub fn heading(ui: &mut Ui, title: &str) {
-    ui.label(RichText::new(title).strong().size(13.0).color(theme::STRONG));
+    ui.label(RichText::new(title).strong().size(13.0).color(theme::of(ui).strong));
 }
 
-/// A button that is on or off.
-pub fn toggle(ui: &mut Ui, on: &mut bool, text: &str, tooltip: &str) -> Response {
+/// A button that is on or off; a double click brings the default back.
+pub fn toggle(ui: &mut Ui, on: &mut bool, default: bool, text: &str, tooltip: &str) -> Response {
+    let state = if default { "on" } else { "off" };
+    let tooltip = format!("{tooltip}\nDefault {state}. Double click resets.");
     let response = ui.add(egui::Button::selectable(*on, text)).on_hover_text(tooltip);
-    if response.clicked() {
+    if response.double_clicked() {
+        *on = default;
+    } else if response.clicked() {
         *on = !*on;
     }
     response
 }
 
-/// A row of buttons of which one is chosen.
-pub fn segmented<T: Copy + PartialEq>(ui: &mut Ui, group: &str, chosen: &mut T, choices: &[(T, &str)]) {
+/// A row of buttons of which one is chosen; a double click on any of them brings the default back, which is true if it
+/// happened.
+pub fn segmented<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    group: &str,
+    chosen: &mut T,
+    default: T,
+    choices: &[(T, &str)],
+) -> bool {
     ui.spacing_mut().item_spacing.x = 2.0;
+    let mut is_reset = false;
     for &(value, text) in choices {
         let response = ui.add(egui::Button::selectable(*chosen == value, text));
-        if response.clicked() {
+        if response.double_clicked() {
+            (*chosen, is_reset) = (default, true);
+        } else if response.clicked() {
             *chosen = value;
         }
         response.accessible_name(format!("{group}: {text}"));
     }
+    is_reset
 }

@@ -42,7 +42,7 @@ fn arrows(ui: &Ui) -> isize {
 /// The actions found; true once one was taken.
 fn list(ui: &mut Ui, context: &mut PanelContext<'_>, found: &[&Action], entered: bool, moved: bool) -> bool {
     if found.is_empty() {
-        ui.label(RichText::new("No action has these words.").color(theme::WEAK));
+        ui.label(RichText::new("No action has these words.").color(theme::of(ui).weak));
     }
     let mut taken = false;
     ScrollArea::vertical().max_height(LIST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {

@@ -12,7 +12,7 @@ use crate::app::{Command, theme};
 pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
     let modal = Modal::new(Id::unique("save session")).show(ctx, |ui| {
         ui.set_width(460.0);
-        ui.label(RichText::new("Save session").heading().color(theme::STRONG));
+        ui.label(RichText::new("Save session").heading().color(theme::of(ui).strong));
         let field = TextEdit::singleline(&mut context.view.session_path).desired_width(f32::INFINITY);
         let response = ui.add(field).accessible_name("Path of the session");
         let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
@@ -20,7 +20,7 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
             response.request_focus();
         }
         let hint = "Map, settings and layout, as JSON; paths in it are relative to it.";
-        ui.label(RichText::new(hint).small().color(theme::WEAK));
+        ui.label(RichText::new(hint).small().color(theme::of(ui).weak));
         ui.add_space(theme::GRID);
         ui.horizontal(|ui| {
             let path = context.view.session_path.trim();

@@ -13,7 +13,8 @@ const OFF_SCALE: &str = "Teal: none, for no normal is valid or all reflect below
 
 /// A scale in a row, `width` points for the bar, with the numbers at its ends.
 pub fn show(ui: &mut Ui, scale: &TexelScale, width: f32) -> Response {
-    let weak = |text: String| RichText::new(text).small().color(theme::WEAK);
+    let color = theme::of(ui).weak;
+    let weak = |text: String| RichText::new(text).small().color(color);
     let row = ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = theme::GRID;
         let [low, high] = scale.ends();

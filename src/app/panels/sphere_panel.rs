@@ -8,7 +8,7 @@ use super::{PanelContext, brdf_section, lobe_table, segmented, toggle, trace_plo
 use crate::app::theme;
 use crate::app::viewport::SpherePaint;
 use crate::color::heat;
-use crate::gpu::passes::sphere::{FILL, LOG_DECADES};
+use crate::gpu::passes::sphere::{FILL, LOG_DECADES, SphereLayers};
 use crate::scene::SphereOrbit;
 use crate::sphere::direction::polar_deg;
 
@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         let reading = sphere(ui, context, side);
         layers(ui, context);
         scale_bar(ui, context);
-        ui.label(RichText::new(reading).small().monospace().color(theme::WEAK));
+        ui.label(RichText::new(reading).small().monospace().color(theme::of(ui).weak));
         numbers(ui, context);
         brdf_section::show(ui, context);
         trace_plot::show(ui, context);
@@ -37,7 +37,7 @@ fn heading(ui: &mut Ui, context: &mut PanelContext<'_>) {
         super::heading(ui, &format!("Texel {}, {} of level {}", texel.x, texel.y, texel.level));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let choices = [(SphereOrbit::default(), "Free"), (SphereOrbit::SIDE, "Side"), (SphereOrbit::TOP, "Top")];
-            segmented(ui, "Sphere from", &mut context.view.sphere_orbit, &choices);
+            segmented(ui, "Sphere from", &mut context.view.sphere_orbit, SphereOrbit::default(), &choices);
         });
     });
     let text = match context.report.data() {
@@ -47,7 +47,7 @@ fn heading(ui: &mut Ui, context: &mut PanelContext<'_>) {
         Some(data) => format!("{} normals · mean length {:.3}", data.normals, data.mean_length),
         None => String::new(),
     };
-    ui.label(RichText::new(text).small().color(theme::WEAK));
+    ui.label(RichText::new(text).small().color(theme::of(ui).weak));
 }
 
 /// The view itself; the reading under the pointer, or a hint.
@@ -62,7 +62,7 @@ fn sphere(ui: &mut Ui, context: &mut PanelContext<'_>, side: f32) -> String {
     if response.double_clicked() {
         context.view.sphere_orbit = SphereOrbit::default();
     }
-    ui.painter().rect_filled(rect, 4.0, theme::CANVAS);
+    ui.painter().rect_filled(rect, 4.0, theme::of(ui).canvas);
     paint(ui, context, rect);
     axis_labels(ui, context.view.sphere_orbit, rect);
     reading(context, rect, &response).unwrap_or_else(|| "point at the sphere to read a value".to_owned())
@@ -104,7 +104,7 @@ fn axis_labels(ui: &Ui, orbit: SphereOrbit, rect: Rect) {
         }
         let point = point.normalize() * 1.1;
         let at = rect.center() + radius(rect) * vec2(point.x as f32, -point.y as f32);
-        ui.painter().text(at, Align2::CENTER_CENTER, name, FontId::proportional(11.0), theme::WEAK);
+        ui.painter().text(at, Align2::CENTER_CENTER, name, FontId::proportional(11.0), theme::of(ui).weak);
     }
 }
 
@@ -121,11 +121,17 @@ fn reading(context: &PanelContext<'_>, rect: Rect, response: &Response) -> Optio
 fn layers(ui: &mut Ui, context: &mut PanelContext<'_>) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = theme::GRID;
-        let layers = &mut context.view.sphere_layers;
-        toggle(ui, &mut layers.density, "Density", "The normals' smooth density");
-        toggle(ui, &mut layers.points, "Points", "The normals, their area their weight");
-        toggle(ui, &mut layers.lobes, "Lobes", "Rings at one standard deviation; a pin's length reads as the weight");
-        toggle(ui, &mut layers.logarithmic, "Log", "The density over four decades");
+        let (layers, default) = (&mut context.view.sphere_layers, SphereLayers::default());
+        toggle(ui, &mut layers.density, default.density, "Density", "The normals' smooth density");
+        toggle(ui, &mut layers.points, default.points, "Points", "The normals, their area their weight");
+        toggle(
+            ui,
+            &mut layers.lobes,
+            default.lobes,
+            "Lobes",
+            "Rings at one standard deviation; a pin's length reads as the weight",
+        );
+        toggle(ui, &mut layers.logarithmic, default.logarithmic, "Log", "The density over four decades");
     });
 }
 
@@ -137,9 +143,9 @@ fn scale_bar(ui: &mut Ui, context: &PanelContext<'_>) {
     let peak = f64::from(data.picture.peak);
     let low = if context.view.sphere_layers.logarithmic { peak / 10f64.powf(f64::from(LOG_DECADES)) } else { 0.0 };
     ui.horizontal(|ui| {
-        ui.label(RichText::new(short(low)).small().color(theme::WEAK));
+        ui.label(RichText::new(short(low)).small().color(theme::of(ui).weak));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(format!("{} per sr", short(peak))).small().color(theme::WEAK));
+            ui.label(RichText::new(format!("{} per sr", short(peak))).small().color(theme::of(ui).weak));
         });
     });
 }
@@ -156,7 +162,7 @@ fn short(value: f64) -> String {
 fn numbers(ui: &mut Ui, context: &PanelContext<'_>) {
     ui.add_space(theme::GRID);
     let Some(fit) = context.report.fit() else {
-        ui.label(RichText::new("This level is not fitted yet.").color(theme::WEAK));
+        ui.label(RichText::new("This level is not fitted yet.").color(theme::of(ui).weak));
         return;
     };
     lobe_table::show(ui, fit);
@@ -175,9 +181,9 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>) {
 /// What a texel's fit comes to, in one number.
 fn figure(ui: &mut Ui, name: &str, value: &str, meaning: &str) {
     ui.horizontal(|ui| {
-        ui.label(RichText::new(name).color(theme::WEAK)).on_hover_text(meaning);
+        ui.label(RichText::new(name).color(theme::of(ui).weak)).on_hover_text(meaning);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(value).monospace().color(theme::STRONG));
+            ui.label(RichText::new(value).monospace().color(theme::of(ui).strong));
         });
     });
 }

@@ -11,20 +11,20 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, hover: Option<&str>) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 16.0;
         let adapter = &context.surroundings.gpu.choice;
-        let color = if adapter.software { theme::WARNING } else { theme::WEAK };
+        let color = if adapter.software { theme::of(ui).warning } else { theme::of(ui).weak };
         ui.label(RichText::new(&adapter.reason).small().color(color)).on_hover_text(
             "A GPU is used if there is one, else software Vulkan, else GL. WGPU_ADAPTER_NAME picks another.",
         );
-        ui.label(RichText::new(fit_sentence(context)).small().color(theme::WEAK));
+        ui.label(RichText::new(fit_sentence(context)).small().color(theme::of(ui).weak));
         if let Some(text) = context.surroundings.target.status.get().left_out_sentence() {
-            ui.label(RichText::new(text).small().color(theme::WARNING));
+            ui.label(RichText::new(text).small().color(theme::of(ui).warning));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if let Some(bytes) = memory(context) {
-                ui.label(RichText::new(format!("{} MiB", bytes >> 20)).small().color(theme::WEAK));
+                ui.label(RichText::new(format!("{} MiB", bytes >> 20)).small().color(theme::of(ui).weak));
             }
             if let Some(hover) = hover {
-                ui.add(egui::Label::new(RichText::new(hover).small().monospace().color(theme::TEXT)).truncate());
+                ui.add(egui::Label::new(RichText::new(hover).small().monospace().color(theme::of(ui).text)).truncate());
             }
         });
     });

@@ -15,14 +15,14 @@ pub const HINT_ROOM: f32 = 580.0;
 /// What the pointer does, in a line with its bottom left corner at `at`.
 pub fn hint(painter: &Painter, at: Pos2) -> Rect {
     let text = "drag: orbit · L + drag: light · Shift + drag: region · wheel: dolly · click: select";
-    badge(painter, at, Align2::LEFT_BOTTOM, text, theme::WEAK)
+    badge(painter, at, Align2::LEFT_BOTTOM, text, theme::of(painter).weak)
 }
 
 /// The wipe's handle.
 pub fn wipe_handle(painter: &Painter, handle: Rect, hot: bool) {
-    let color = if hot { theme::ACCENT } else { Color32::from_white_alpha(210) };
+    let color = if hot { theme::of(painter).accent } else { theme::of(painter).text };
     let grip = Rect::from_center_size(handle.center(), vec2(12.0, 36.0));
-    painter.rect_filled(grip, 6.0, theme::BADGE);
+    painter.rect_filled(grip, 6.0, theme::of(painter).badge);
     painter.rect_stroke(grip, 6.0, Stroke::new(1.5, color), StrokeKind::Inside);
     for dx in [-2.0, 2.0] {
         let x = grip.center().x + dx;

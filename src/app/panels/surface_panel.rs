@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let (mut surface, mut comparison) = (context.session.surface.clone(), context.session.comparison);
     let whole = ui.available_rect_before_wrap();
     let (bar, picture) = whole.split_top_bottom_at_y(whole.top() + bar_height(&comparison));
-    ui.painter().rect_filled(bar, 0.0, theme::PANEL);
+    ui.painter().rect_filled(bar, 0.0, theme::of(ui).panel);
     let flips = ui
         .scope_builder(UiBuilder::new().max_rect(bar.shrink2(vec2(12.0, MARGIN))), |ui| {
             ui.spacing_mut().item_spacing.y = MARGIN;
@@ -116,7 +116,7 @@ fn cell_methods(ui: &mut Ui, comparison: &mut Comparison, cells: &Cells) {
     for (index, (cell, method)) in cells.rects().zip(&mut comparison.grid).enumerate() {
         let place = Rect::from_min_size(cell.min + badges::CELL_INSET, vec2(methods::COMBO_WIDTH, theme::ROW));
         ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
-            methods::combo(ui, &format!("Method of cell {}", index + 1), method);
+            methods::combo(ui, &format!("Method of cell {}", index + 1), method, methods::COMBO_WIDTH);
         });
     }
 }

@@ -18,7 +18,7 @@ pub fn show(ctx: &Context, messages: &mut Vec<Message>) -> Option<MapRequest> {
     let (mut dismissed, mut accepted) = (None, None);
     Area::new(Id::unique("messages")).anchor(Align2::CENTER_TOP, vec2(0.0, 44.0)).show(ctx, |ui| {
         for (index, message) in messages.iter().enumerate() {
-            let color = if message.is_error { theme::ERROR } else { theme::ACCENT };
+            let color = if message.is_error { theme::of(ui).error } else { theme::of(ui).accent };
             let frame = Frame::popup(ui.style()).stroke(Stroke::new(1.0, color)).inner_margin(8);
             frame.show(ui, |ui| {
                 ui.horizontal(|ui| {

@@ -1,27 +1,27 @@
-//! The top bar: menus, what is open, and what the middle of the window shows.
+//! The top bar: menus, what is open, and what the window is used for.
 
 use egui::{Align, Button, Layout as Flow, MenuBar, RichText, Ui};
 
 use super::{PanelContext, segmented};
 use crate::app::actions::{self, Action, Menu};
-use crate::app::view_state::{Layout, Overlay};
+use crate::app::dock::Preset;
+use crate::app::view_state::Overlay;
 use crate::app::{Command, theme};
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     MenuBar::new().ui(ui, |ui| {
-        ui.label(RichText::new("NDF Inspector").strong().color(theme::STRONG));
+        ui.label(RichText::new("NDF Inspector").strong().color(theme::of(ui).strong));
         ui.add_space(theme::GRID);
         for (menu, label) in Menu::ALL {
             ui.menu_button(label, |ui| show_menu(ui, context, menu));
         }
         ui.add_space(2.0 * theme::GRID);
         ui.label(RichText::new(context.session.map().name()).strong());
-        ui.label(RichText::new(facts(context)).color(theme::WEAK));
+        ui.label(RichText::new(facts(context)).color(theme::of(ui).weak));
         ui.with_layout(Flow::right_to_left(Align::Center), |ui| {
             search(ui, context);
-            let reversed: Vec<_> = Layout::ALL.into_iter().rev().collect();
-            segmented(ui, "Layout", &mut context.view.layout, &reversed);
+            presets(ui, context);
         });
     });
 }
@@ -32,10 +32,21 @@ fn facts(context: &PanelContext<'_>) -> String {
     format!("{} × {} · {} {}", map.width, map.height, stored.depth.label(), stored.format)
 }
 
+/// What the window is used for.
+fn presets(ui: &mut Ui, context: &mut PanelContext<'_>) {
+    let reversed: Vec<_> = Preset::ALL.into_iter().rev().collect();
+    let current = context.view.dock.preset;
+    let mut preset = current;
+    ui.spacing_mut().button_padding.x = 2.0 * theme::GRID;
+    if segmented(ui, "Preset", &mut preset, current, &reversed) || preset != current {
+        context.view.choose(preset);
+    }
+}
+
 /// The way to every action, for whoever does not know the key.
 fn search(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let key = actions::find("palette").map_or_else(String::new, |action| action.key_text(ui.ctx()));
-    let button = Button::new(RichText::new("Search").color(theme::WEAK)).shortcut_text(key);
+    let button = Button::new(RichText::new("Search").color(theme::of(ui).weak)).shortcut_text(key);
     if ui.add(button).accessible_name("Search actions").clicked() {
         context.view.overlay = Overlay::Palette;
     }
@@ -82,7 +93,7 @@ fn item(ui: &mut Ui, context: &mut PanelContext<'_>, action: &Action, menu: &str
 fn recent(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let paths = context.session.recent().paths();
     if paths.is_empty() {
-        ui.label(RichText::new("Nothing opened yet").color(theme::WEAK));
+        ui.label(RichText::new("Nothing opened yet").color(theme::of(ui).weak));
     }
     for path in paths {
         if ui.button(path.display().to_string()).clicked() {

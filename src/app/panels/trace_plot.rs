@@ -14,7 +14,7 @@ const HEIGHT: f32 = 110.0;
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let tooltip =
         "The log-likelihood of each iteration; lobes retired and capped. The texel is fitted again to see it.";
-    toggle(ui, &mut context.view.show_trace, "Trace of the fit", tooltip);
+    toggle(ui, &mut context.view.show_trace, false, "Trace of the fit", tooltip);
     if !context.view.show_trace {
         return;
     }
@@ -42,5 +42,5 @@ fn plot(ui: &mut Ui, trace: &Trace) {
 }
 
 fn weak(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).small().color(theme::WEAK));
+    ui.label(RichText::new(text).small().color(theme::of(ui).weak));
 }

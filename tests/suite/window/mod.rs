@@ -2,12 +2,16 @@
 
 mod actions;
 mod behaviour;
+mod docking;
 mod doctor;
 mod exports;
 mod live_figures;
+mod looks;
 mod materials;
 pub mod pictures;
+mod random;
 mod real;
+mod resets;
 mod scripts;
 mod seeing;
 mod texels;

@@ -3,7 +3,9 @@
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, image_snapshot_options};
 use image::RgbaImage;
+use ndf_inspector::app::dock::Preset;
 use ndf_inspector::app::map_shading::MapShading;
+use ndf_inspector::app::theme::Theme;
 use ndf_inspector::app::view_state::{Layout, MapView};
 use ndf_inspector::comparison::{Comparison, Difference, DifferenceKind, View};
 use ndf_inspector::filter::Method;
@@ -125,6 +127,27 @@ fn the_texels_effective_brdf_by_truth_and_method() {
     let (left, top) = (switch.left() as u32, switch.top() as u32);
     let picture = image::imageops::crop_imm(&whole, left, top, 1280 - left, 480).to_image();
     compare(&picture, "texel_brdf");
+}
+
+#[test]
+fn the_whole_window_by_preset_and_theme() {
+    let mut window = window(fitted("plate", 64));
+    window.state_mut().inspector.session.surface.shape.kind = ShapeKind::Torus;
+    for (preset, theme, name) in [
+        (Preset::Inspect, Theme::Dark, "window_inspect"),
+        (Preset::Tune, Theme::Light, "window_tune_light"),
+        (Preset::Compare, Theme::HighContrast, "window_compare_high-contrast"),
+    ] {
+        let inspector = &mut window.state_mut().inspector;
+        inspector.view.choose(preset);
+        inspector.change_settings(|settings| settings.theme = theme);
+        // What is drawn follows the layout, and the figures what is drawn.
+        for _ in 0..2 {
+            window.run_steps(3);
+            settle(&mut window);
+        }
+        compare(&window.render().expect("a picture"), name);
+    }
 }
 
 #[test]

@@ -48,6 +48,10 @@ impl Screen {
         let mut number = String::new();
         BufReader::new(server.0.stdout.take().expect("piped")).read_line(&mut number).expect("a display");
         let folder = tempfile::tempdir().expect("a folder");
+        // The tour is for those who see the window for the first time.
+        let config = folder.path().join("config/ndf-inspector");
+        std::fs::create_dir_all(&config).expect("a folder");
+        std::fs::write(config.join("settings.json"), r#"{"knows_tour": true}"#).expect("written");
         Some(Self { _server: server, display: format!(":{}", number.trim()), folder })
     }
 
@@ -188,17 +192,22 @@ fn the_real_window_is_driven_closed_killed_and_shows_the_same_again() {
     screen.wait_for("undo", |file| file.selected.is_some_and(|texel| texel.level != 1));
     screen.keys("ctrl+y");
     screen.wait_for("redo", |file| file.selected.is_some_and(|texel| texel.level == 1));
+    screen.keys("shift+F4");
+    screen.wait_for("the preset", |file| is_preset(file, "tune"));
+    screen.keys("shift+F2");
+    screen.wait_for("the preset before", |file| is_preset(file, "inspect"));
+    screen.keys("ctrl+e sleep 1.5");
+    screen.xdotool("type --delay 100 roughness.exr");
+    screen.xdotool("key Return");
+    wait_for_file(&screen.path("roughness.exr"));
     screen.keys("ctrl+shift+s sleep 1.5 key ctrl+a sleep 0.5");
     screen.xdotool("type --delay 100 saved.ndfi.json");
     screen.xdotool("key Return");
     let saved = screen.path("saved.ndfi.json");
-    let began = Instant::now();
-    while !saved.exists() {
-        assert!(began.elapsed() < PATIENCE, "the session is not saved");
-        std::thread::sleep(Duration::from_millis(50));
-    }
+    wait_for_file(&saved);
     screen.quit(program);
-    let saved = SessionFile::read(&saved).expect("a session");
+    let saved_path = saved;
+    let saved = SessionFile::read(&saved_path).expect("a session");
     assert!(saved.fit.lobes == 3 && saved.comparison.wipe < 0.4);
 
     let killed = screen.open_and_wait(&["saved.ndfi.json"]);
@@ -211,7 +220,54 @@ fn the_real_window_is_driven_closed_killed_and_shows_the_same_again() {
     screen.wait_for("what it was killed in", is_same);
     screen.keys("shift+e");
     screen.wait_for("the state that was saved", |file| state(file) == state(&saved));
+    // It still belongs to the file that it was opened from, and is saved there without a question.
+    screen.keys("e");
+    screen.wait_for("a brighter picture", |file| file.surface.exposure_stops == 0.5);
+    screen.keys("ctrl+s");
+    let began = Instant::now();
+    while !SessionFile::read(&saved_path).is_ok_and(|file| file.surface.exposure_stops == 0.5) {
+        assert!(began.elapsed() < PATIENCE, "the session is not saved where it came from");
+        std::thread::sleep(Duration::from_millis(50));
+    }
     screen.quit(again);
+}
+
+fn is_preset(file: &SessionFile, name: &str) -> bool {
+    file.view.as_ref().is_some_and(|view| view["dock"]["preset"] == name)
+}
+
+fn wait_for_file(path: &Path) {
+    let began = Instant::now();
+    while !path.exists() {
+        assert!(began.elapsed() < PATIENCE, "{} does not come", path.display());
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+#[test]
+fn a_window_whose_device_is_lost_opens_again_on_the_same_document() {
+    let Some(screen) = Screen::start() else { return };
+    let sample = screen.command(env!("CARGO_BIN_EXE_ndf-inspector")).args(SAMPLE).status();
+    assert!(sample.expect("it starts").success());
+    std::fs::write(screen.path("start.ndfi.json"), r#"{"map": {"path": "plate.png"}, "truth_samples": 16}"#)
+        .expect("written");
+    let said = std::fs::File::create(screen.path("said.txt")).expect("a file");
+    let mut program = screen.command(env!("CARGO_BIN_EXE_ndf-inspector"));
+    let program = program.args(["start.ndfi.json", "--lose-device-after", "8"]).stderr(said).spawn();
+    let program = Owned(program.expect("it starts"));
+    screen.xdotool("search --sync --onlyvisible --name NDF windowfocus");
+    screen.keys("e");
+    let began = Instant::now();
+    while !std::fs::read_to_string(screen.path("said.txt")).is_ok_and(|said| said.contains("device is lost")) {
+        assert!(began.elapsed() < PATIENCE, "the device is not lost");
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    std::thread::sleep(Duration::from_secs(2));
+    screen.keys("shift+g");
+    screen.wait_for("both changes", |file| {
+        file.surface.exposure_stops == 0.5 && file.comparison.view == ndf_inspector::comparison::View::Grid3x3
+    });
+    screen.quit(program);
 }
 
 const SAMPLE: [&str; 6] = ["sample", "plate", "-o", "plate.png", "--size", "64"];

@@ -87,3 +87,33 @@ fn every_kind_of_step_does_what_it_says() {
     assert!(kept.contains(r#""path": "plate.png""#) && kept.contains(r#""objective": "likelihood""#), "{kept}");
     assert!(Path::new(&folder.path().join("end.png")).exists());
 }
+
+#[test]
+fn presets_and_themes_are_chosen_by_option_and_by_name() {
+    let folder = folder();
+    sample(&folder, "plate");
+    let script = "
+        expect 'Start figures'
+        click 'Preset: Map only'
+        expect 'Map view'
+        do preset-tune
+        expect 'Sphere view'
+        do reset-layout
+        do theme-high-contrast
+        do scale-125
+        picture tuned.png
+    ";
+    std::fs::write(folder.path().join("presets.txt"), script).expect("written");
+    let shared = ["screenshot", "plate.png", "--samples", "16", "--size", "1000x640"];
+    let picture = |options: &[&str]| {
+        let output = run(&folder, &[&shared, options, &["-o", "picture.png"]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        std::fs::read(folder.path().join("picture.png")).expect("a picture")
+    };
+    let dark = picture(&["--preset", "compare", "--script", "presets.txt"]);
+    let light = picture(&["--preset", "compare", "--theme", "light"]);
+    assert!(light != dark && light == picture(&["--preset", "compare", "--theme", "light"]));
+    let output = run(&folder, &[&shared[..], &["--preset", "nothing", "-o", "picture.png"]].concat());
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && error.contains("inspect, compare, tune or map-only"), "{error}");
+}

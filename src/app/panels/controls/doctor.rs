@@ -17,9 +17,9 @@ const BUTTON_WIDTH: f32 = 60.0;
 pub fn title(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let doubts = context.session.diagnosis().findings.iter().filter(|finding| finding.doubtful).count();
     let (text, color) = match doubts {
-        0 => ("Nothing doubtful".to_owned(), theme::WEAK),
-        1 => ("1 doubt".to_owned(), theme::WARNING),
-        _ => (format!("{doubts} doubts"), theme::WARNING),
+        0 => ("Nothing doubtful".to_owned(), theme::of(ui).weak),
+        1 => ("1 doubt".to_owned(), theme::of(ui).warning),
+        _ => (format!("{doubts} doubts"), theme::of(ui).warning),
     };
     ui.scope(|ui| {
         // A heading's own height, no row of controls.
@@ -52,9 +52,9 @@ pub fn findings(ui: &mut Ui, context: &mut PanelContext<'_>) {
 /// One finding; what to do, if its button was clicked.
 fn row(ui: &mut Ui, map: &NormalMap, finding: &Finding) -> Option<Advice> {
     let color = match finding.confidence {
-        _ if finding.doubtful => theme::WARNING,
-        Confidence::Unknown => theme::WEAK,
-        Confidence::Certain | Confidence::Likely => theme::TEXT,
+        _ if finding.doubtful => theme::of(ui).warning,
+        Confidence::Unknown => theme::of(ui).weak,
+        Confidence::Certain | Confidence::Likely => theme::of(ui).text,
     };
     let explanation = explanation(finding);
     let mut chosen = None;

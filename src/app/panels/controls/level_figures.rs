@@ -52,10 +52,10 @@ pub fn show(ui: &mut Ui, session: &Session) {
     let fits = if count == 1 { "1 fit kept".to_owned() } else { format!("{count} fits kept") };
     if fitting.is_grown() {
         let text = format!("grown from J = {} · Refit starts afresh", fitting.settings().lobes - 1);
-        ui.label(RichText::new(text).small().color(theme::WEAK)).on_hover_text(GROWN);
+        ui.label(RichText::new(text).small().color(theme::of(ui).weak)).on_hover_text(GROWN);
     }
     let text = format!("{fits} · {} of {budget} MiB", bytes.div_ceil(1 << 20));
-    ui.label(RichText::new(text).small().color(theme::WEAK))
+    ui.label(RichText::new(text).small().color(theme::of(ui).weak))
         .on_hover_text("Finished fits of recent settings: going back to them costs nothing.");
 }
 

@@ -18,8 +18,8 @@ pub fn show(ui: &mut Ui, lights: &mut Lights, view: &mut LightView) {
         heading(ui, "Lights");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if let Some(index) = view.index(lights) {
-                color(ui, "Light colour", &mut lights.as_mut_slice()[index].color);
-                toggle(ui, &mut view.is_sweeping, "Sweep", "Turns the selected light around the surface");
+                color(ui, "Light colour", &mut lights.as_mut_slice()[index].color, Light::DEFAULT.color);
+                toggle(ui, &mut view.is_sweeping, false, "Sweep", "Turns the selected light around the surface");
             }
         });
     });
@@ -71,7 +71,7 @@ fn selected(ui: &mut Ui, light: &mut Light) {
     ui.horizontal(|ui| {
         label(ui, "Kind");
         let mut is_point = light.distance.is_some();
-        segmented(ui, "Kind of light", &mut is_point, &[(false, "Directional"), (true, "Point")]);
+        segmented(ui, "Kind of light", &mut is_point, false, &[(false, "Directional"), (true, "Point")]);
         if is_point != light.distance.is_some() {
             *light = light.moved_to(is_point.then_some(p::DEFAULT_LIGHT_DISTANCE));
         }

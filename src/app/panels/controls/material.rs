@@ -7,8 +7,8 @@ use egui::{Align, Layout, RichText, TextEdit, Ui};
 use super::{OPEN_WIDTH, PanelContext, color, parameters as p};
 use crate::app::drying_view::DryingView;
 use crate::app::panels::{heading, toggle};
-use crate::app::parameter::{Parameter, explained_choice, label};
-use crate::app::{Command, theme};
+use crate::app::parameter::{Parameter, choice_row, explained_choice, label};
+use crate::app::{Command, about, theme};
 use crate::brdf::{ConvolutionRule, DiffuseRule, Material, Model};
 
 pub(super) fn show(ui: &mut Ui, material: &mut Material, context: &mut PanelContext<'_>) {
@@ -16,7 +16,13 @@ pub(super) fn show(ui: &mut Ui, material: &mut Material, context: &mut PanelCont
     ui.horizontal(|ui| {
         heading(ui, "Material");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            toggle(ui, &mut view.is_shown, "Drying", "A track from wet to dry, along which the material changes");
+            toggle(
+                ui,
+                &mut view.is_shown,
+                false,
+                "Drying",
+                "A track from wet to dry, along which the material changes",
+            );
         });
     });
     if view.is_shown {
@@ -38,10 +44,10 @@ pub(super) fn show(ui: &mut Ui, material: &mut Material, context: &mut PanelCont
     ui.horizontal(|ui| {
         label(ui, "Colours");
         ui.spacing_mut().interact_size.x = 28.0;
-        color(ui, "Specular colour", &mut material.specular_color);
-        ui.label(RichText::new("specular").small().color(theme::WEAK));
-        color(ui, "Diffuse colour", &mut material.diffuse_color);
-        ui.label(RichText::new("diffuse").small().color(theme::WEAK));
+        color(ui, "Specular colour", &mut material.specular_color, Material::DEFAULT.specular_color);
+        ui.label(RichText::new("specular").small().color(theme::of(ui).weak));
+        color(ui, "Diffuse colour", &mut material.diffuse_color, Material::DEFAULT.diffuse_color);
+        ui.label(RichText::new("diffuse").small().color(theme::of(ui).weak));
     });
     rules(ui, material);
 }
@@ -96,16 +102,18 @@ fn measured(ui: &mut Ui, material: &Material, context: &mut PanelContext<'_>) {
             format!("{name}: f(theta_h) g(theta_d) leaves {r:.1}, {g:.1}, {b:.1} % (R, G, B)")
         }
     };
-    ui.add(egui::Label::new(RichText::new(text).small().color(theme::WEAK)).wrap());
+    ui.add(egui::Label::new(RichText::new(text).small().color(theme::of(ui).weak)).wrap());
 }
 
 fn rules(ui: &mut Ui, material: &mut Material) {
     let rules = ConvolutionRule::ALL.map(|rule| (rule, rule.label(), p::convolution(rule)));
-    if let Some(rule) = explained_choice(ui, "Convolution", p::CONVOLUTION, material.convolution, &rules) {
+    let about = Some(about::convolution(material.convolution));
+    if let Some(rule) = choice_row(ui, "Convolution", p::CONVOLUTION, material.convolution, &rules, about) {
         material.convolution = rule;
     }
     let rules = DiffuseRule::ALL.map(|rule| (rule, rule.label(), p::diffuse(rule)));
-    if let Some(rule) = explained_choice(ui, "Diffuse rule", p::DIFFUSE_RULE, material.diffuse_rule, &rules) {
+    let about = Some(about::diffuse(material.diffuse_rule));
+    if let Some(rule) = choice_row(ui, "Diffuse rule", p::DIFFUSE_RULE, material.diffuse_rule, &rules, about) {
         material.diffuse_rule = rule;
     }
 }

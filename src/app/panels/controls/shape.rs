@@ -7,7 +7,7 @@ use egui::{RichText, TextEdit, Ui};
 use super::parameters as p;
 use super::{OPEN_WIDTH, PanelContext};
 use crate::app::panels::needles;
-use crate::app::parameter::{choice, label};
+use crate::app::parameter::{checkbox, choice, label};
 use crate::app::view_state::NeedlesView;
 use crate::app::{Command, theme};
 use crate::scene::{FrameRule, Reconstruction, Shape, ShapeKind};
@@ -43,9 +43,9 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &mut Shape) {
 fn draw_needles(ui: &mut Ui, view: &mut NeedlesView, has_relief: bool) {
     ui.horizontal(|ui| {
         label(ui, "Needles");
-        ui.checkbox(&mut view.frames, "frames").on_hover_text(p::FRAME_NEEDLES);
+        checkbox(ui, &mut view.frames, NeedlesView::DEFAULT.frames, "frames", p::FRAME_NEEDLES);
         if has_relief {
-            ui.checkbox(&mut view.shown, "both normals").on_hover_text(p::NEEDLES);
+            checkbox(ui, &mut view.shown, NeedlesView::DEFAULT.shown, "both normals", p::NEEDLES);
         }
     });
     if has_relief && view.shown {
@@ -92,9 +92,9 @@ fn mesh(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &Shape) {
     let (mesh, splits) = (model.mesh(shape.frames), model.splits(shape.frames));
     let (triangles, vertices) = (mesh.indices.len() / 3, mesh.vertices.len());
     let figures = format!("{triangles} triangles · {vertices} vertices · {splits} split frames");
-    ui.label(RichText::new(figures).small().color(theme::WEAK)).on_hover_text(p::SPLITS);
+    ui.label(RichText::new(figures).small().color(theme::of(ui).weak)).on_hover_text(p::SPLITS);
     for warning in &model.warnings {
-        let text = RichText::new(format!("{warning}.")).small().color(theme::WARNING);
+        let text = RichText::new(format!("{warning}.")).small().color(theme::of(ui).warning);
         ui.add(egui::Label::new(text).wrap());
     }
 }
@@ -120,6 +120,6 @@ fn texture(ui: &mut Ui, shape: &mut Shape) {
     p::TURN.show_f32(ui, &mut shape.turn_deg);
     ui.horizontal(|ui| {
         label(ui, "Orientation");
-        ui.checkbox(&mut shape.mirrored, "mirrored").on_hover_text(p::MIRRORED);
+        checkbox(ui, &mut shape.mirrored, false, "mirrored", p::MIRRORED);
     });
 }

@@ -26,13 +26,13 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, sky: &mut Sky) {
                 context.push(Command::OpenSkyDialog);
             }
             if sky.environment.is_some() {
-                toggle(ui, &mut sky.is_seen, "Seen", "Shows the sky behind the surface");
+                toggle(ui, &mut sky.is_seen, Sky::default().is_seen, "Seen", "Shows the sky behind the surface");
             }
         });
     });
     source(ui, context, sky);
     if context.session.is_opening_sky() {
-        ui.label(RichText::new("Reading a sky").small().color(theme::ACCENT));
+        ui.label(RichText::new("Reading a sky").small().color(theme::of(ui).accent));
     }
     if sky.environment.is_some() {
         p::SKY_ROTATION.show_f32(ui, &mut sky.rotation_deg);

@@ -18,9 +18,9 @@ pub fn height(run: &SweepRun) -> f32 {
 pub fn show(ui: &mut Ui, run: &SweepRun, metric: Metric) {
     ScrollArea::horizontal().auto_shrink([false, true]).show(ui, |ui| {
         Grid::new("figures").spacing([10.0, 2.0]).min_row_height(ROW).show(ui, |ui| {
-            number(ui, run.sweep().axis.label(), theme::WEAK);
+            number(ui, run.sweep().axis.label(), theme::of(ui).weak);
             for &value in &run.sweep().values {
-                number(ui, &written(f64::from(value)), theme::WEAK);
+                number(ui, &written(f64::from(value)), theme::of(ui).weak);
             }
             ui.end_row();
             let findings = run.findings();
@@ -39,10 +39,10 @@ pub fn show(ui: &mut Ui, run: &SweepRun, metric: Metric) {
 }
 
 fn row(ui: &mut Ui, run: &SweepRun, name: &str, figure: &dyn Fn(usize) -> Option<f64>) {
-    number(ui, name, theme::TEXT);
+    number(ui, name, theme::of(ui).text);
     for point in 0..run.sweep().values.len() {
         let text = figure(point).map_or_else(|| "-".to_owned(), |figure| format!("{figure:.4}"));
-        number(ui, &text, theme::TEXT);
+        number(ui, &text, theme::of(ui).text);
     }
     ui.end_row();
 }

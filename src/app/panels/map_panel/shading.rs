@@ -28,14 +28,14 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     }
     match shading.scale(context.session) {
         Some(scale) => drop(scale_bar::show(ui, &scale, SCALE_WIDTH)),
-        None => drop(ui.label(RichText::new("a click selects the texel under it").small().color(theme::WEAK))),
+        None => drop(ui.label(RichText::new("a click selects the texel under it").small().color(theme::of(ui).weak))),
     }
     if shading == MapShading::Error {
         if context.view.layout != view_state::Layout::Map {
             ui.menu_button("Worst texels", |ui| worst::list(ui, context));
         }
         if let Some(progress) = context.errors.progress() {
-            ui.label(RichText::new(progress).small().color(theme::ACCENT));
+            ui.label(RichText::new(progress).small().color(theme::of(ui).accent));
         }
     }
 }

@@ -64,5 +64,5 @@ fn words(ui: &mut Ui, LevelHistogram { asked: [texels, numbers], quantiles, .. }
     if numbers < texels {
         text += &format!(" · {} of {texels} texels have none", texels - numbers);
     }
-    ui.label(RichText::new(text).small().color(theme::WEAK));
+    ui.label(RichText::new(text).small().color(theme::of(ui).weak));
 }

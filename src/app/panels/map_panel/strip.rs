@@ -5,7 +5,7 @@ use egui::{Color32, vec2};
 
 use super::{WHOLE, point_at, ring, shading};
 use crate::app::map_picture::MapProjection;
-use crate::app::panels::{PanelContext, heading};
+use crate::app::panels::PanelContext;
 use crate::app::texel_values::TexelValues;
 use crate::app::theme;
 use crate::session::Session;
@@ -19,7 +19,6 @@ const GAP: f32 = 8.0;
 /// The strip of levels.
 pub fn strip(ui: &mut Ui, context: &mut PanelContext<'_>) {
     ui.horizontal_wrapped(|ui| {
-        heading(ui, "Levels");
         shading::show(ui, context);
     });
     ScrollArea::horizontal().auto_shrink([false, true]).show(ui, |ui| {
@@ -48,7 +47,7 @@ fn thumbnail(ui: &mut Ui, context: &mut PanelContext<'_>, level: usize, side: f3
         let pixels = (side * ui.pixels_per_point()).round() as usize;
         let values = TexelValues::new(context.session, context.errors, context.view.map.shading);
         let texture = context.textures.thumbnail(ui.ctx(), &values, level, pixels);
-        ui.painter().rect_filled(cell, 0.0, theme::CANVAS);
+        ui.painter().rect_filled(cell, 0.0, theme::of(ui).canvas);
         ui.painter().image(texture, rect, WHOLE, Color32::WHITE);
         let base = vec2(context.session.map().width as f32, context.session.map().height as f32);
         let projection = MapProjection::new(rect, base, &Default::default());
@@ -62,9 +61,9 @@ fn frame(painter: &Painter, session: &Session, cell: Rect, projection: &MapProje
     let selected = session.selected();
     let is_selected = selected.level == level;
     let color = match (is_selected, hovered) {
-        (true, _) => theme::ACCENT,
-        (false, true) => theme::WEAK,
-        _ => theme::LINE,
+        (true, _) => theme::of(painter).accent,
+        (false, true) => theme::of(painter).weak,
+        _ => theme::of(painter).line,
     };
     let width = if is_selected { 2.0 } else { 1.0 };
     painter.rect_stroke(cell, 2.0, Stroke::new(width, color), StrokeKind::Outside);
@@ -80,18 +79,18 @@ fn caption(ui: &mut Ui, session: &Session, level: usize, side: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(side, 3.0), Sense::hover());
     let fraction = session.fitting().progress().and_then(|progress| progress.levels.get(level).copied());
     let (fraction, color, words) = match (state, fraction) {
-        (LevelState::Done, _) => (1.0, theme::ACCENT.gamma_multiply(0.55), "fitted"),
-        (LevelState::Unaligned, _) => (1.0, theme::WARNING.gamma_multiply(0.6), "fitted, not aligned yet"),
-        (LevelState::Earlier, _) => (1.0, theme::WEAK.gamma_multiply(0.6), "lobes of earlier settings"),
-        (LevelState::Missing, fraction) => (fraction.unwrap_or(0.0), theme::ACCENT, "not fitted yet"),
+        (LevelState::Done, _) => (1.0, theme::of(ui).accent.gamma_multiply(0.55), "fitted"),
+        (LevelState::Unaligned, _) => (1.0, theme::of(ui).warning.gamma_multiply(0.6), "fitted, not aligned yet"),
+        (LevelState::Earlier, _) => (1.0, theme::of(ui).weak.gamma_multiply(0.6), "lobes of earlier settings"),
+        (LevelState::Missing, fraction) => (fraction.unwrap_or(0.0), theme::of(ui).accent, "not fitted yet"),
     };
-    ui.painter().rect_filled(rect, 1.0, theme::LINE);
+    ui.painter().rect_filled(rect, 1.0, theme::of(ui).line);
     let done = Rect::from_min_size(rect.min, vec2(rect.width() * fraction, rect.height()));
     ui.painter().rect_filled(done, 1.0, color);
     response.on_hover_text(words);
     let (rect, _) = ui.allocate_exact_size(vec2(side, 13.0), Sense::hover());
     let painter = ui.painter();
-    painter.text(rect.left_top(), Align2::LEFT_TOP, level, FontId::proportional(11.0), theme::TEXT);
+    painter.text(rect.left_top(), Align2::LEFT_TOP, level, FontId::proportional(11.0), theme::of(ui).text);
     let text = if size.0 == size.1 { format!("{}²", size.0) } else { format!("{}×{}", size.0, size.1) };
-    painter.text(rect.right_top(), Align2::RIGHT_TOP, text, FontId::proportional(10.0), theme::WEAK);
+    painter.text(rect.right_top(), Align2::RIGHT_TOP, text, FontId::proportional(10.0), theme::of(ui).weak);
 }

@@ -14,7 +14,7 @@ const ROW: [f32; 2] = [188.0, 18.0];
 pub fn list(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let worst = context.errors.worst().to_vec();
     if worst.is_empty() {
-        ui.label(RichText::new("No error is known yet.").small().color(theme::WEAK));
+        ui.label(RichText::new("No error is known yet.").small().color(theme::of(ui).weak));
     }
     ui.spacing_mut().item_spacing.y = 0.0;
     for (index, worst) in worst.into_iter().enumerate() {
@@ -32,7 +32,7 @@ fn row(ui: &mut Ui, context: &PanelContext<'_>, place: usize, WorstTexel { texel
     if response.hovered() {
         ui.painter().rect_filled(rect, 2.0, ui.visuals().widgets.hovered.bg_fill);
     }
-    let color = if context.session.selected() == texel { theme::ACCENT } else { theme::TEXT };
+    let color = if context.session.selected() == texel { theme::of(ui).accent } else { theme::of(ui).text };
     let inside = rect.shrink2(vec2(theme::GRID, 0.0));
     let font = FontId::proportional(12.0);
     let where_it_is = format!("level {} ({}, {})", texel.level, texel.x, texel.y);

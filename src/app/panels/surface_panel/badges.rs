@@ -1,6 +1,6 @@
 //! What is said of each method on its part of the picture: its name, and what there is to say of it.
 
-use egui::{Align2, Color32, Pos2, Rect, Ui, Vec2, pos2, vec2};
+use egui::{Align2, Pos2, Rect, Ui, Vec2, pos2, vec2};
 
 use super::cells::Cells;
 use super::figures;
@@ -57,7 +57,7 @@ fn beside_list(ui: &Ui, context: &PanelContext<'_>, cells: &Cells, cell: Rect, m
     if let Some(text) = details(context, cells, place.method) {
         let painter = ui.painter_at(cells.picture);
         let fits = beside.x + badge_size(&painter, &text).x <= cell.right();
-        let rect = badge(&painter, if fits { beside } else { place.at }, place.align, &text, theme::TEXT);
+        let rect = badge(&painter, if fits { beside } else { place.at }, place.align, &text, theme::of(ui).text);
         place.at.y = if fits { place.at.y } else { rect.bottom() + theme::GRID };
     }
     below(ui, context, cells, place);
@@ -69,7 +69,7 @@ fn named(ui: &Ui, context: &PanelContext<'_>, cells: &Cells, mut place: Place) {
         Some(details) => format!("{} · {details}", place.method.label()),
         None => place.method.label(),
     };
-    let rect = badge(&ui.painter_at(cells.picture), place.at, place.align, &text, theme::STRONG);
+    let rect = badge(&ui.painter_at(cells.picture), place.at, place.align, &text, theme::of(ui).strong);
     let x = if place.align == Align2::LEFT_TOP { rect.left() } else { rect.right() };
     place.at = pos2(x, rect.bottom() + theme::GRID);
     below(ui, context, cells, place);
@@ -79,8 +79,8 @@ fn named(ui: &Ui, context: &PanelContext<'_>, cells: &Cells, mut place: Place) {
 fn below(ui: &Ui, context: &PanelContext<'_>, cells: &Cells, mut place: Place) {
     let method = place.method;
     let note = if method.shows_lobes() { lobes_note(context) } else { channels_note(context, method) };
-    if let Some((text, color)) = &note {
-        let rect = badge(&ui.painter_at(cells.picture), place.at, place.align, text, *color);
+    if let Some(text) = &note {
+        let rect = badge(&ui.painter_at(cells.picture), place.at, place.align, text, theme::of(ui).warning);
         place.at.y = rect.bottom() + theme::GRID;
     }
     // A rival of which something is said has no picture.
@@ -122,7 +122,7 @@ fn samples(context: &PanelContext<'_>, cells: &Cells) -> String {
 }
 
 /// What keeps a rival from being shown.
-fn channels_note(context: &PanelContext<'_>, method: Method) -> Option<(String, Color32)> {
+fn channels_note(context: &PanelContext<'_>, method: Method) -> Option<String> {
     let rival = method.rival()?;
     let text = if !rival.is_drawn() {
         "too many bands to draw"
@@ -132,7 +132,7 @@ fn channels_note(context: &PanelContext<'_>, method: Method) -> Option<(String, 
     } else {
         return None;
     };
-    Some((text.to_owned(), theme::WARNING))
+    Some(text.to_owned())
 }
 
 /// How many lobes a texel gets, as the badge says it.
@@ -145,7 +145,7 @@ fn lobe_count(settings: &FitSettings) -> String {
 }
 
 /// What keeps the lobes shown from being the fit that was asked for.
-fn lobes_note(context: &PanelContext<'_>) -> Option<(String, Color32)> {
+fn lobes_note(context: &PanelContext<'_>) -> Option<String> {
     let fitting = context.session.fitting();
     let count = |state| fitting.levels().iter().filter(|level| level.state == state).count();
     let done = count(LevelState::Done);
@@ -160,5 +160,5 @@ fn lobes_note(context: &PanelContext<'_>) -> Option<(String, Color32)> {
     } else {
         format!("{done} of {levels} levels fitted")
     };
-    Some((text, theme::WARNING))
+    Some(text)
 }

@@ -12,19 +12,19 @@ const MARGIN: f32 = 12.0;
 /// Draws the scale with its bottom left corner at `at`.
 pub fn show(painter: &Painter, difference: Difference, at: Pos2) {
     let rect = Align2::LEFT_BOTTOM.anchor_size(at, SIZE);
-    painter.rect_filled(rect, CornerRadius::same(4), theme::BADGE);
+    painter.rect_filled(rect, CornerRadius::same(4), theme::of(painter).badge);
     let caption = match difference.kind {
         DifferenceKind::Absolute => "mean of |right − left|, linear colour",
         DifferenceKind::Signed => "luminance of right − left, linear",
     };
     let small = FontId::proportional(11.0);
     let corner = rect.min + vec2(MARGIN, 4.0);
-    painter.text(corner, Align2::LEFT_TOP, caption, small.clone(), theme::TEXT);
+    painter.text(corner, Align2::LEFT_TOP, caption, small.clone(), theme::of(painter).text);
     let bar = Rect::from_min_size(corner + vec2(0.0, 17.0), vec2(rect.width() - 2.0 * MARGIN, 8.0));
     painter.add(colors(bar, difference.kind));
     for (part, number) in numbers(difference) {
         let x = bar.left() + part * bar.width();
-        painter.vline(x, bar.bottom()..=bar.bottom() + 3.0, egui::Stroke::new(1.0, theme::WEAK));
+        painter.vline(x, bar.bottom()..=bar.bottom() + 3.0, egui::Stroke::new(1.0, theme::of(painter).weak));
         let align = if part == 0.0 {
             Align2::LEFT_TOP
         } else if part == 1.0 {
@@ -32,7 +32,7 @@ pub fn show(painter: &Painter, difference: Difference, at: Pos2) {
         } else {
             Align2::CENTER_TOP
         };
-        painter.text(pos2(x, bar.bottom() + 3.0), align, number, small.clone(), theme::TEXT);
+        painter.text(pos2(x, bar.bottom() + 3.0), align, number, small.clone(), theme::of(painter).text);
     }
 }
 

@@ -4,7 +4,7 @@ use egui::{Align2, FontId, Id, Pos2, Sense, Ui, vec2};
 
 use super::cells::Cells;
 use crate::app::panels::PanelContext;
-use crate::app::theme;
+use crate::app::theme::{self, Palette};
 use crate::app::viewport::Subject;
 use crate::filter::Method;
 use crate::measure::{Metric, bytes_per_texel};
@@ -18,11 +18,12 @@ pub fn show(
     (cell, method): (usize, Method),
     (at, align): (Pos2, Align2),
 ) {
-    let (lines, color) = (lines(context, method).join("\n"), color(context, cells));
+    let lines = lines(context, method).join("\n");
+    let color = color(theme::of(ui), context, cells);
     let painter = ui.painter_at(cells.picture);
     let galley = painter.layout_no_wrap(lines.clone(), FontId::proportional(11.0), color);
     let rect = align.anchor_size(at, galley.size() + vec2(16.0, 8.0));
-    painter.rect_filled(rect, 4.0, theme::BADGE);
+    painter.rect_filled(rect, 4.0, theme::of(ui).badge);
     painter.galley(rect.min + vec2(8.0, 4.0), galley, color);
     let response = ui.interact(rect, Id::unique(("figures", cell)), Sense::hover());
     let name = format!("Figures of {}: {}", method.label(), lines.replace('\n', " · "));
@@ -31,8 +32,8 @@ pub fn show(
 }
 
 /// Stale figures are dim.
-fn color(context: &PanelContext<'_>, cells: &Cells) -> egui::Color32 {
-    if is_current(context, cells) { theme::TEXT } else { theme::WEAK.gamma_multiply(0.6) }
+fn color(palette: &Palette, context: &PanelContext<'_>, cells: &Cells) -> egui::Color32 {
+    if is_current(context, cells) { palette.text } else { palette.weak.gamma_multiply(0.6) }
 }
 
 /// True where the figures are those of what this frame shows.

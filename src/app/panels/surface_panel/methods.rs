@@ -4,8 +4,8 @@
 use egui::{Align, DragValue, Layout, RichText, Sense, Slider, Ui};
 
 use super::ROOMY;
-use crate::app::panels::segmented;
-use crate::app::{parameter, theme};
+use crate::app::panels::{about_button, segmented};
+use crate::app::{about, parameter, theme};
 use crate::comparison::{Comparison, Difference, DifferenceKind, View};
 use crate::filter::Method;
 
@@ -15,11 +15,18 @@ pub const COMBO_WIDTH: f32 = 144.0;
 /// Shows the row; true while the button that flips is held.
 pub fn show(ui: &mut Ui, comparison: &mut Comparison) -> bool {
     let roomy = ui.available_width() > ROOMY;
+    let width = COMBO_WIDTH.min(0.5 * (ui.available_width() - ui.spacing().item_spacing.x));
     ui.horizontal(|ui| {
-        combo(ui, "Left method", &mut comparison.left);
+        combo(ui, "Left method", &mut comparison.left, width);
+        if roomy {
+            about_button::show(ui, "Left method", about::method(comparison.left));
+        }
         let right_to_left = Layout::right_to_left(Align::Center);
         ui.with_layout(right_to_left, |ui| {
-            combo(ui, "Right method", &mut comparison.right);
+            if roomy {
+                about_button::show(ui, "Right method", about::method(comparison.right));
+            }
+            combo(ui, "Right method", &mut comparison.right, width);
             roomy && between(ui, comparison)
         })
         .inner
@@ -28,7 +35,7 @@ pub fn show(ui: &mut Ui, comparison: &mut Comparison) -> bool {
 }
 
 /// A list of every method that is offered.
-pub fn combo(ui: &mut Ui, name: &str, method: &mut Method) {
+pub fn combo(ui: &mut Ui, name: &str, method: &mut Method, width: f32) {
     let mut methods: Vec<(Method, String)> = Method::offered().map(|method| (method, method.label())).collect();
     if methods.iter().all(|(offered, _)| offered != method) {
         // A session file may name a parameter that is not offered.
@@ -36,7 +43,7 @@ pub fn combo(ui: &mut Ui, name: &str, method: &mut Method) {
     }
     let methods: Vec<(Method, &str)> = methods.iter().map(|(method, label)| (*method, label.as_str())).collect();
     ui.scope(|ui| {
-        ui.set_width(COMBO_WIDTH);
+        ui.set_width(width);
         parameter::combo(ui, name, method, &methods);
     });
 }
@@ -53,7 +60,7 @@ fn between(ui: &mut Ui, comparison: &mut Comparison) -> bool {
         View::Wipe => wipe(ui, &mut comparison.wipe),
         View::Difference => difference(ui, &mut comparison.difference),
         View::Flip => {
-            ui.label(RichText::new("Hold the space bar to see the right method").color(theme::WEAK));
+            ui.label(RichText::new("Hold the space bar to see the right method").color(theme::of(ui).weak));
         }
         View::Grid2x2 | View::Grid3x3 => {}
     });
@@ -61,7 +68,7 @@ fn between(ui: &mut Ui, comparison: &mut Comparison) -> bool {
 }
 
 fn wipe(ui: &mut Ui, wipe: &mut f32) {
-    ui.label(RichText::new("Wipe").color(theme::WEAK));
+    ui.label(RichText::new("Wipe").color(theme::of(ui).weak));
     ui.spacing_mut().slider_width = (ui.available_width() - theme::GRID).max(40.0);
     ui.spacing_mut().interact_size.y = theme::HANDLE;
     let slider = Slider::new(wipe, 0.0..=1.0).show_value(false);
@@ -77,7 +84,7 @@ fn difference(ui: &mut Ui, difference: &mut Difference) {
         DifferenceKind::Absolute => "The mean over red, green and blue of |right - left|, exposed linear colour.",
         DifferenceKind::Signed => "The luminance of the right method less that of the left, exposed linear colour.",
     };
-    ui.scope(|ui| segmented(ui, "Difference", &mut difference.kind, &DifferenceKind::ALL))
+    ui.scope(|ui| segmented(ui, "Difference", &mut difference.kind, Difference::default().kind, &DifferenceKind::ALL))
         .response
         .on_hover_text(explanation);
     let ([low, high], speed) = (Difference::RANGES, 0.01 * difference.range);
@@ -86,7 +93,7 @@ fn difference(ui: &mut Ui, difference: &mut Difference) {
         .speed(speed)
         .max_decimals(4)
         .update_while_editing(false);
-    ui.label(RichText::new("Range").color(theme::WEAK));
+    ui.label(RichText::new("Range").color(theme::of(ui).weak));
     let typed = ui.add_sized([52.0, theme::ROW], typed).accessible_name("Difference range value");
     ui.spacing_mut().slider_width = (ui.available_width() - theme::GRID).max(40.0);
     ui.spacing_mut().interact_size.y = theme::HANDLE;

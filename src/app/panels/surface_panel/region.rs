@@ -39,17 +39,17 @@ pub fn drag(ui: &Ui, view: &mut ViewState, response: &Response, cells: &Cells) -
 pub fn show(painter: &Painter, region: Region, cell: Rect, named: bool) {
     let rect = rect(region, cell);
     painter.rect_stroke(rect, 0.0, Stroke::new(3.0, Color32::from_black_alpha(140)), StrokeKind::Middle);
-    painter.rect_stroke(rect, 0.0, Stroke::new(1.5, theme::ACCENT), StrokeKind::Middle);
+    painter.rect_stroke(rect, 0.0, Stroke::new(1.5, theme::of(painter).accent), StrokeKind::Middle);
     if named {
         let at = rect.left_bottom() + vec2(0.0, 3.0);
         let galley = painter.layout_no_wrap(
             "figures of this region · Esc clears".to_owned(),
             FontId::proportional(11.0),
-            theme::ACCENT,
+            theme::of(painter).accent,
         );
         let place = Align2::LEFT_TOP.anchor_size(at, galley.size() + vec2(8.0, 4.0));
-        painter.rect_filled(place, 3.0, theme::BADGE);
-        painter.galley(place.min + vec2(4.0, 2.0), galley, theme::ACCENT);
+        painter.rect_filled(place, 3.0, theme::of(painter).badge);
+        painter.galley(place.min + vec2(4.0, 2.0), galley, theme::of(painter).accent);
     }
 }
 

@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, view: &mut ViewState, chosen: &mut View, camera: &mut C
     let roomy = ui.available_width() > ROOMY;
     ui.horizontal(|ui| {
         if roomy {
-            ui.scope(|ui| segmented(ui, "Seen as", chosen, &View::ALL));
+            ui.scope(|ui| segmented(ui, "Seen as", chosen, View::default(), &View::ALL));
         } else {
             ui.scope(|ui| {
                 ui.set_width(84.0);
@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, view: &mut ViewState, chosen: &mut View, camera: &mut C
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if roomy {
                 let mut on = !view.hides_figures;
-                toggle(ui, &mut on, "Figures", FIGURES);
+                toggle(ui, &mut on, true, "Figures", FIGURES);
                 view.hides_figures = !on;
             }
             distance(ui, &mut view.dolly, camera, roomy);
@@ -65,7 +65,7 @@ fn distance(ui: &mut Ui, dolly: &mut Dolly, camera: &mut Camera, roomy: bool) {
         dolly.is_playing = !dolly.is_playing;
     }
     if roomy {
-        ui.label(RichText::new("Dolly").color(theme::WEAK));
+        ui.label(RichText::new("Dolly").color(theme::of(ui).weak));
     }
 }
 
