@@ -59,8 +59,13 @@ struct Truncated {
 }
 
 impl Filter for Truncated {
+    fn map(&self) -> &NormalMap {
+        &self.map
+    }
+
+    /// It is for pictures alone.
     fn effective_brdf_of(&self, _: Texel, _: Brdf) -> EffectiveBrdf<'_> {
-        unimplemented!("pictures alone")
+        Box::new(|_| f64::NAN)
     }
 
     fn takes_probes(&self) -> bool {

@@ -156,7 +156,7 @@ fn a_node_that_mirrors_its_mesh_leaves_it_facing_outward() {
 fn with_tangents(folder: &Path, roof: &Roof, tangents: &[Vec4], node: &[(&str, Value)]) -> Model {
     let (mut document, mut buffer) = (roof.document(), roof.buffer());
     let at = buffer.len();
-    buffer.extend(tangents.iter().flat_map(|tangent| tangent.to_array()).flat_map(f32::to_le_bytes));
+    buffer.extend(tangents.iter().flat_map(glam::Vec4::to_array).flat_map(f32::to_le_bytes));
     document["buffers"][0]["byteLength"] = json!(buffer.len());
     let views = document["bufferViews"].as_array_mut().expect("views");
     views.push(json!({"buffer": 0, "byteOffset": at, "byteLength": buffer.len() - at}));
