@@ -142,12 +142,14 @@ pub fn shade_point(
             probe(Vec2::ZERO)
         }
     };
+    // Where normals stay as they are there need be no mean for them to turn with.
+    let turns = tangent_from_map != Mat3::IDENTITY;
+    let mean = |lookup: &Lookup| if turns { filter.mean_normal(lookup) } else { None };
     let of_light = |light: &Light| {
         let incident = light.at(point.position_in_world);
         let local = point.local_light(incident.direction_in_world, to_eye);
         let material = surface.material.towards(local.light_in_tangent.dot(local.half_in_tangent));
-        let towards =
-            |lookup: &Lookup| filter.mean_normal(lookup).map_or(local, |mean| local.as_seen_from(lookup, mean));
+        let towards = |lookup: &Lookup| mean(lookup).map_or(local, |mean| local.as_seen_from(lookup, mean));
         incident.radiance * over_probes(&|lookup| filter.shade(lookup, &towards(lookup), &material))
     };
     let of_lights: Vec3 = surface.lights.as_slice().iter().map(of_light).sum();
