@@ -20,7 +20,10 @@ struct Frame {
     most_probes: u32,
     light_count: u32,
     reconstruction: u32,
-    more_padding: vec2u,
+    bump: u32,
+    bump_scale: f32,
+    rise: vec2f,
+    padding: vec2u,
     fold: array<vec4u, 4>,
     lights: array<Light, 8>,
 }
@@ -51,7 +54,7 @@ const LEAST_DERIVATIVE: f32 = 1e-6;
 // Exact convolutions, a layer per model; empty where no rule asks for them.
 @group(0) @binding(1) var exact_tables: texture_2d_array<f32>;
 
-// Mean normals of every level; the first level holds the map's own normals, zero where they are invalid.
+// Mean normals of every level; the first level holds the map's own normals, zero where they are invalid, and heights.
 @group(1) @binding(0) var means: texture_2d<f32>;
 // The slot of each base texel's only lobe.
 @group(1) @binding(1) var base_slots: texture_2d<u32>;
@@ -72,6 +75,8 @@ struct Corner {
     @location(2) along_u: vec4f,
     @location(3) along_t: vec4f,
     @location(4) uv: vec2f,
+    // The Weingarten matrix by u and t, by columns.
+    @location(5) bend: vec4f,
 }
 
 struct Point {
@@ -83,6 +88,9 @@ struct Point {
     @location(4) uv: vec2f,
     // Depth along the view. The built-in position's fourth component is its inverse on some backends only.
     @location(5) w: f32,
+    // What a relief bumps: how far the surface goes by texture coordinates, and how it bends.
+    @location(6) stretch: vec2f,
+    @location(7) shape_operator: vec4f,
 }
 
 @vertex
@@ -97,6 +105,8 @@ fn vertex(corner: Corner) -> Point {
         corner.normal_in_world,
         frame.uv_from_surface * corner.uv,
         position.w,
+        stretch_of(corner),
+        shape_operator_of(corner),
     );
 }
 
@@ -150,7 +160,10 @@ fn gather_light(point: Point) {
         incident[index] = incident_light(point, index);
     }
     let own = world_from_tangent(point);
-    let all = world_from_map(point, own);
+    var all = world_from_map(point, own);
+    if frame.bump != 0u {
+        all = bumped(point, own);
+    }
     tangent_from_map = transpose(own) * all;
     if SKY {
         set_local_sky(all, normalize_or_zero(frame.eye_in_world - point.position_in_world));

@@ -7,8 +7,11 @@ use glam::{Mat3, Vec2, Vec3};
 
 use crate::brdf::Material;
 use crate::filter::probes::MOST_PROBES;
+use crate::filter::sampling::Grid;
 use crate::filter::{Filter, LevelChoice, LevelRule, LocalLight, LocalSky, Lookup, PixelFootprint, Probes};
 use crate::lighting::{Light, Lights, Sky};
+use crate::normal_map::NormalMap;
+use crate::scene::bump::Bumped;
 use crate::scene::{Camera, Model, Shape};
 
 /// Everything the picture of the surface depends on, save the map and the method.
@@ -78,6 +81,8 @@ pub struct SurfacePoint {
     /// Takes the map's normals to that frame, up to their length; the identity but where derivatives are kept as they
     /// are (see [`Reconstruction`](crate::scene::Reconstruction)).
     pub tangent_from_map: Mat3,
+    /// The surface under a relief, where its shape is to be bumped by one.
+    pub bumped: Option<Bumped>,
     /// Texture coordinates, tiling applied.
     pub uv: Vec2,
     /// Change of `uv` over one pixel to the right, taken as a GPU takes it, between two pixels.
@@ -92,6 +97,21 @@ impl SurfacePoint {
     /// The probes that read a map of `base` texels here, at levels within `lod_range`.
     pub fn probes(&self, rule: LevelRule, base: (usize, usize), lod_range: [f32; 2]) -> Probes {
         Probes::new(rule, self.uv_dx, self.uv_dy, base, lod_range)
+    }
+
+    /// Takes a map's normals to the frame, up to their length: those of heights as they bump the surface, where it is to
+    /// be bumped. The height is read once, at the pixel's centre.
+    fn tangent_from(&self, surface: &LitSurface, map: &NormalMap) -> Mat3 {
+        let shape = &surface.shape;
+        let scale = shape.bump_scale * shape.scale() as f32;
+        let (Some(bumped), Some(rule), Some(rise)) = (self.bumped, shape.bump_rule(), map.rise(scale)) else {
+            return self.tangent_from_map;
+        };
+        let grid = Grid { width: map.width, height: map.height, addressing: map.options.addressing };
+        let taps = grid.bilinear(self.uv).into_iter();
+        let height: f32 = taps.map(|(texel, weight)| weight * map.height_of(texel)).sum();
+        let world_from_map = bumped.world_from_map((scale * height).into(), rise.as_dvec2(), rule);
+        (self.world_from_tangent.as_dmat3().transpose() * world_from_map).as_mat3()
     }
 
     /// Light and view from their unit directions in world space.
@@ -112,8 +132,9 @@ pub fn shade_point(
     pixel: [u32; 2],
 ) -> Vec3 {
     let to_eye = (surface.camera.eye_in_world() - point.position_in_world).normalize();
+    let tangent_from_map = point.tangent_from(surface, filter.map());
     let over_probes = |shade: &dyn Fn(&Lookup) -> Vec3| {
-        let (footprint, lod, tangent_from_map) = (point.footprint, probes.lod, point.tangent_from_map);
+        let (footprint, lod) = (point.footprint, probes.lod);
         let probe = |offset: Vec2| shade(&Lookup { uv: point.uv + offset, footprint, lod, pixel, tangent_from_map });
         if filter.takes_probes() {
             probes.offsets().map(probe).sum::<Vec3>() / probes.count as f32
@@ -121,16 +142,18 @@ pub fn shade_point(
             probe(Vec2::ZERO)
         }
     };
+    // Where normals stay as they are there need be no mean for them to turn with.
+    let turns = tangent_from_map != Mat3::IDENTITY;
+    let mean = |lookup: &Lookup| if turns { filter.mean_normal(lookup) } else { None };
     let of_light = |light: &Light| {
         let incident = light.at(point.position_in_world);
         let local = point.local_light(incident.direction_in_world, to_eye);
         let material = surface.material.towards(local.light_in_tangent.dot(local.half_in_tangent));
-        let towards =
-            |lookup: &Lookup| filter.mean_normal(lookup).map_or(local, |mean| local.as_seen_from(lookup, mean));
+        let towards = |lookup: &Lookup| mean(lookup).map_or(local, |mean| local.as_seen_from(lookup, mean));
         incident.radiance * over_probes(&|lookup| filter.shade(lookup, &towards(lookup), &material))
     };
     let of_lights: Vec3 = surface.lights.as_slice().iter().map(of_light).sum();
-    let world_from_map = point.world_from_tangent * point.tangent_from_map;
+    let world_from_map = point.world_from_tangent * tangent_from_map;
     let sky = LocalSky::new(&surface.sky, &surface.material, world_from_map, to_eye);
     let of_sky = sky.map_or(Vec3::ZERO, |sky| over_probes(&|lookup| filter.shade_sky(lookup, &sky)));
     surface.exposure() * (of_lights + of_sky)

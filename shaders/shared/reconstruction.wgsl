@@ -6,8 +6,13 @@ const PROJECTED: u32 = 1u;
 const LEAST_DETERMINANT: f32 = 1e-3;
 const LEAST_TURN: f32 = -0.9;
 
-// Takes the map's normals to tangent space, up to their length; read where frames are not ORTHONORMAL.
+// Takes the map's normals to tangent space, up to their length; read where they turn.
 var<private> tangent_from_map: mat3x3f;
+
+// False where normals of the map are those of tangent space.
+fn normals_turn() -> bool {
+    return frame.reconstruction != ORTHONORMAL || frame.bump != 0u;
+}
 
 // The orthonormal frame at a point: tangent, bitangent and normal.
 fn world_from_tangent(point: Point) -> mat3x3f {
@@ -38,7 +43,7 @@ fn world_from_map(point: Point, own: mat3x3f) -> mat3x3f {
 
 // A normal of the map in tangent space, of its own length.
 fn turned(normal: vec3f) -> vec3f {
-    if frame.reconstruction == ORTHONORMAL {
+    if !normals_turn() {
         return normal;
     }
     return length(normal) * normalize_or_zero(tangent_from_map * normal);
@@ -46,7 +51,7 @@ fn turned(normal: vec3f) -> vec3f {
 
 // Light and half vector turned as the mean normal in tangent space turns back to the map.
 fn as_seen_from(mean: vec3f, light: LocalLight) -> LocalLight {
-    if frame.reconstruction == ORTHONORMAL {
+    if !normals_turn() {
         return light;
     }
     let before = normalize_or_zero(turned(mean));

@@ -28,7 +28,7 @@ fn channel_layer(lookup: Lookup, lod: f32, layer: u32) -> vec4f {
 // What the map reflects around a point of every light and of the sky, before its colour.
 fn reflect_around(lookup: Lookup, lod: f32) -> vec3f {
     var mean = vec3f(0.0);
-    if frame.reconstruction != ORTHONORMAL {
+    if normals_turn() {
         mean = mean_normal(lookup, lod);
     }
     var sum = vec3f(0.0);

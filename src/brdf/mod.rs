@@ -10,6 +10,15 @@
 //! - an equivalent exponent, [`Brdf::exponent`], for the rivals that only know Blinn-Phong: Toksvig, LEAN and planar
 //!   Gaussians take the material for Blinn-Phong of that.
 //!
+//! Lobes filter every model about as well as Blinn-Phong of the same width: the colour error of six lobes over three
+//! bundled maps of 128 x 128 texels (`compare --models blinn-phong,torrance-sparrow,ggx --distances 4`) is
+//!
+//! | as wide as s = | 8 | 32 | 128 | 512 |
+//! | --- | --- | --- | --- | --- |
+//! | Blinn-Phong | 0.045 | 0.062 | 0.088 | 0.125 |
+//! | Torrance-Sparrow | 0.044 | 0.061 | 0.087 | 0.125 |
+//! | GGX | 0.040 | 0.049 | 0.066 | 0.092 |
+//!
 //! Factors of the angle between light and half vector, Fresnel's above all, do not depend on the normal and multiply
 //! unfiltered: [`Material::towards`]. A model is one file here with its twin in `shaders/shared/`, its description a
 //! [`ModelKind`], its place in [`Model`] and [`Brdf`].

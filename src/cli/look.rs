@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::brdf::BrdfArgument;
 use super::options::parse_fresnel;
-use super::rules::{Convolution, Diffuse, FramePerPixel};
+use super::rules::{Bump, Convolution, Diffuse, FramePerPixel};
 use crate::filter::LevelChoice;
 use crate::filter::probes::MOST_PROBES;
 use crate::lighting::sky_harmonics::MOST_BANDS;
@@ -59,6 +59,12 @@ pub struct LookArguments {
     /// What is made of the vertices' frames at a pixel between them.
     #[arg(long, value_enum)]
     pub reconstruction: Option<FramePerPixel>,
+    /// How a map of heights bumps a parametric surface.
+    #[arg(long, value_enum, value_name = "RULE")]
+    pub bump: Option<Bump>,
+    /// What a height of 1 is then, in the surface's own units.
+    #[arg(long, value_name = "LAMBDA", value_parser = parse_bump_scale, allow_negative_numbers = true)]
+    pub bump_scale: Option<f32>,
     /// Mirror the map, left for right.
     #[arg(long)]
     pub mirror: bool,
@@ -137,6 +143,11 @@ fn parse_radii(text: &str) -> Result<[f32; 2], String> {
     pair.ok_or_else(|| "write the ring's radius and the tube's smaller one, as in 0.75,0.35".to_owned())
 }
 
+fn parse_bump_scale(text: &str) -> Result<f32, String> {
+    let scale = text.parse().ok().filter(|scale: &f32| scale.is_finite() && *scale != 0.0);
+    scale.ok_or_else(|| "write a number that is not 0, as in 0.0625".to_owned())
+}
+
 fn parse_level(text: &str) -> Result<LevelChoice, String> {
     match text {
         "auto" => Ok(LevelChoice::Auto),
@@ -185,6 +196,8 @@ impl LookArguments {
             shear: self.shear.unwrap_or(shape.shear),
             frames: self.frames.unwrap_or(shape.frames),
             reconstruction: self.reconstruction.map_or(shape.reconstruction, FramePerPixel::way),
+            bump: self.bump.map_or(shape.bump, Bump::rule),
+            bump_scale: self.bump_scale.unwrap_or(shape.bump_scale),
             turn_deg: self.turn.unwrap_or(shape.turn_deg),
             mirrored: self.mirror || shape.mirrored,
             ..shape.clone()

@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use crate::brdf::{ConvolutionRule, DiffuseRule};
 use crate::normal_map::SlopeKernel;
 use crate::scene::Reconstruction;
+use crate::scene::bump::BumpRule;
 
 /// How a lobe and a BRDF are convolved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -90,6 +91,28 @@ impl FramePerPixel {
             Self::Orthonormal => Reconstruction::Orthonormal,
             Self::Projected => Reconstruction::Projected,
             Self::Interpolated => Reconstruction::Interpolated,
+        }
+    }
+}
+
+/// How a map of heights bumps a parametric surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Bump {
+    /// As on any surface: its slopes count texels.
+    Off,
+    /// By Blinn's normal.
+    Blinn,
+    /// By the normal of the displaced surface, Mikkelsen's equation 25.
+    Exact,
+}
+
+impl Bump {
+    /// The rule of this name.
+    pub fn rule(self) -> Option<BumpRule> {
+        match self {
+            Self::Off => None,
+            Self::Blinn => Some(BumpRule::Blinn),
+            Self::Exact => Some(BumpRule::Exact),
         }
     }
 }

@@ -20,6 +20,7 @@ use super::vmf::{Cancelled, Monitor};
 use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainMip};
 use crate::brdf::{Brdf, ConvolutionRule, Material};
 use crate::ndf::Ndf;
+use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::harmonics::{each_harmonic, harmonics_to, zonal_series};
 use crate::sphere::vmf;
@@ -155,6 +156,10 @@ impl RivalFilter for Harmonics {
 }
 
 impl Filter for Harmonics {
+    fn map(&self) -> &NormalMap {
+        &self.mip.map
+    }
+
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let last_band = self.last_band;
         let multipliers = brdf.multipliers(self.rule, last_band + 1);

@@ -20,6 +20,7 @@ use super::vmf::{Cancelled, Monitor};
 use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainMip, reflect};
 use crate::brdf::{Brdf, Material};
 use crate::ndf::Ndf;
+use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::vmf::KAPPA_DELTA;
 
@@ -121,6 +122,10 @@ impl RivalFilter for Lean {
 }
 
 impl Filter for Lean {
+    fn map(&self) -> &NormalMap {
+        &self.mip.map
+    }
+
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let slopes = SlopeGaussian::of_ndf(&Ndf::of_texel(&self.mip.map, texel));
         Box::new(move |omega| match brdf {

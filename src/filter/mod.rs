@@ -25,6 +25,7 @@ pub mod worst_texels;
 use glam::{DVec3, Mat3, Vec2, Vec3};
 
 use crate::brdf::{Brdf, Material};
+use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::scene::reconstruction::turned;
 
@@ -109,6 +110,9 @@ pub trait Filter: Send + Sync {
 
     /// Linear RGB reflected of the sky towards the eye, likewise.
     fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3;
+
+    /// The map that is filtered.
+    fn map(&self) -> &NormalMap;
 
     /// The mean normal at a lookup, not normalised, where all that the method keeps is lit about it; `None` where it
     /// turns its normals itself ([`Lookup::turned`]).

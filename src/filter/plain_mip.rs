@@ -131,6 +131,10 @@ fn mean_color(map: &NormalMap, footprint: &Footprint) -> Vec3 {
 impl RivalFilter for PlainMip {}
 
 impl Filter for PlainMip {
+    fn map(&self) -> &NormalMap {
+        &self.map
+    }
+
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let normal = self.of_texel(texel).as_dvec3().try_normalize().unwrap_or(DVec3::Z);
         Box::new(move |omega| brdf.zonal(normal.dot(omega)))
@@ -160,6 +164,10 @@ pub struct UnnormalisedMip {
 impl RivalFilter for UnnormalisedMip {}
 
 impl Filter for UnnormalisedMip {
+    fn map(&self) -> &NormalMap {
+        &self.mip.map
+    }
+
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let mean = self.mip.of_texel(texel).as_dvec3();
         Box::new(move |omega| brdf.zonal(mean.dot(omega)))

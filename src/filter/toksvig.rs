@@ -13,6 +13,7 @@ use super::rival::{Built, Rival, RivalFilter, RivalKind, Source};
 use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainMip, reflect};
 use crate::brdf::blinn_phong::blinn_phong;
 use crate::brdf::{BlinnPhong, Brdf, Material};
+use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::vmf::KAPPA_DELTA;
 
@@ -46,6 +47,10 @@ pub fn widened_exponent(length: f32, exponent: f32) -> f32 {
 impl RivalFilter for Toksvig {}
 
 impl Filter for Toksvig {
+    fn map(&self) -> &NormalMap {
+        &self.mip.map
+    }
+
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let mean = self.mip.of_texel(texel).as_dvec3();
         let normal = mean.try_normalize().unwrap_or(DVec3::Z);

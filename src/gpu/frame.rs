@@ -314,6 +314,7 @@ impl SurfaceFrame {
             ..FrameData::of_surface(input.surface, self.size)
         };
         data.set_fold(&input.fold);
+        data.set_bump(&input.surface.shape, map);
         data
     }
 

@@ -34,6 +34,9 @@ pub const TRUTH: &str = include_str!("../../shaders/shared/truth.wgsl");
 /// The frame at a pixel, the twin of `scene/reconstruction.rs`.
 pub const RECONSTRUCTION: &str = include_str!("../../shaders/shared/reconstruction.wgsl");
 
+/// The bump-mapped surface, the twin of `scene/bump.rs`.
+pub const BUMP: &str = include_str!("../../shaders/shared/bump.wgsl");
+
 /// A direction in a picture by latitude and longitude, the twin of `lighting/environment.rs`.
 pub const LAT_LONG: &str = include_str!("../../shaders/shared/lat_long.wgsl");
 /// What lobes and samples reflect of the sky, the twin of `filter/sky_light.rs`.

@@ -129,7 +129,7 @@ impl SurfacePipelines {
         variant: Variant,
     ) -> wgpu::RenderPipeline {
         let attributes = wgpu::vertex_attr_array![
-            0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x4, 4 => Float32x2
+            0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x4, 4 => Float32x2, 5 => Float32x4
         ];
         let number = |flag: bool| f64::from(u8::from(flag));
         let overrides = [

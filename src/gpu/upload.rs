@@ -12,7 +12,7 @@ use crate::filter::vmf::{BaseSlots, ColorLevel, MixtureLevel};
 /// Where the texels come from, and what is complete once they are there.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// The mean normals of one level of the map.
+    /// The mean normals of one level of the map; of the base level with the heights, where it has any.
     Means {
         /// The means.
         mip: Arc<PlainMip>,
@@ -74,6 +74,7 @@ impl Source {
     /// Texel `index` of `layer` as the texture stores it in full precision.
     fn texel(&self, index: usize, layer: usize) -> [f32; 4] {
         match self {
+            Self::Means { mip, level: 0 } => mip.levels[0][index].extend(mip.map.height_of(index)).to_array(),
             Self::Means { mip, level } => mip.levels[*level][index].extend(0.0).to_array(),
             Self::Slots(_) => [0.0; 4],
             Self::Lobes { mixtures, .. } if layer < mixtures.lobes => mixtures.stored[index * mixtures.lobes + layer],

@@ -27,7 +27,7 @@ pub enum SlopeKernel {
 }
 
 /// The height of a texel: the mean of its colour channels, an integer's full scale as 1.
-fn height_of(image: &RasterImage, texel: usize) -> f64 {
+pub(super) fn height_of(image: &RasterImage, texel: usize) -> f64 {
     let (first, color) = (texel * image.channels, image.color_channels());
     let sum: f64 = (first..first + color).map(|index| image.samples.get(index)).sum();
     sum / (color as f64 * image.samples.full_scale().unwrap_or(1.0))

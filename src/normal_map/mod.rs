@@ -14,7 +14,7 @@ pub mod pyramid;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::image_io::{RasterImage, ReadImageError, SampleDepth, Samples};
 use albedo::Albedo;
@@ -238,6 +238,19 @@ impl NormalMap {
             }
             MapSource::Bundled(name) => (*name).to_owned(),
         }
+    }
+
+    /// The height of a texel, the full range of an integer as 1; 0 for a map of normals, and where it is not finite.
+    pub fn height_of(&self, texel: usize) -> f32 {
+        let height = self.options.height_scale.map_or(0.0, |_| height::height_of(&self.stored, texel)) as f32;
+        if height.is_finite() { height } else { 0.0 }
+    }
+
+    /// By how much slopes by texture coordinates are steeper than those of the normals, which count texels, where a
+    /// height of 1 is `scale` high; `None` for a map of normals.
+    pub fn rise(&self, scale: f32) -> Option<Vec2> {
+        let own = self.options.height_scale.filter(|own| *own != 0.0)?;
+        Some(scale / own * Vec2::new(self.width as f32, self.height as f32))
     }
 
     /// Width and height of every MIP level, the base first.

@@ -61,6 +61,10 @@ impl ExactCoverage {
 }
 
 impl Filter for ExactCoverage {
+    fn map(&self) -> &NormalMap {
+        &self.map
+    }
+
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let ndf = Ndf::of_texel(&self.map, texel);
         Box::new(move |omega| ndf.effective_brdf(brdf, omega))

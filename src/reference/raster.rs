@@ -5,13 +5,14 @@
 //! `sum b_i a_i / sum b_i` is attribute `a` with perspective. Nothing is clipped, corners behind the eye included;
 //! depth outside `0..=1` is rejected per pixel.
 
-use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
+use glam::{DMat2, DMat3, DVec2, DVec3, Vec2, Vec3};
 
 use crate::filter::PixelFootprint;
 use crate::filter::truth::nearest_texel;
 use crate::lit_surface::{LitSurface, SurfacePoint};
 use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
+use crate::scene::bump::Bumped;
 use crate::scene::mesh::Tangents;
 use crate::scene::{Reconstruction, Vertex};
 
@@ -27,12 +28,28 @@ struct ScreenTriangle<'a> {
     corners: [&'a Vertex; 3],
     tangents: [Tangents; 3],
     reconstruction: Reconstruction,
+    /// What a relief bumps at each corner, where one does.
+    reliefs: Option<[CornerRelief; 3]>,
     /// Where the map is read at each corner.
     uvs: [DVec2; 3],
     /// Takes `(x, y, 1)` to `b_i`.
     coverage_from_pixel: DMat3,
     depth_over_w: DVec3,
     w: DVec3,
+}
+
+/// How far the surface goes by texture coordinates at a corner, and how it bends.
+#[derive(Clone, Copy)]
+struct CornerRelief {
+    stretch: DVec2,
+    shape_operator: DMat2,
+}
+
+/// The surface under a relief between the corners.
+fn bumped(corners: DMat3, weights: DVec3, reliefs: [CornerRelief; 3]) -> Bumped {
+    let stretch: DVec2 = (0..3).map(|i| weights[i] * reliefs[i].stretch).sum();
+    let bend = (0..3).fold(DMat2::ZERO, |sum, i| sum + reliefs[i].shape_operator * weights[i]);
+    Bumped::new(corners, stretch, bend)
 }
 
 /// The visible surface point under the centre of every pixel, row by row from the top; `None` where there is none.
@@ -108,7 +125,12 @@ impl<'a> ScreenTriangle<'a> {
         let tangents = corners.map(|corner| corner.tangents(uv_from_surface));
         let uvs = corners.map(|corner| uv_from_surface.as_dmat2() * Vec2::from(corner.uv).as_dvec2());
         let reconstruction = surface.shape.reconstruction;
-        Some(Self { corners, tangents, reconstruction, uvs, coverage_from_pixel, depth_over_w, w })
+        let relief = |corner: &Vertex| CornerRelief {
+            stretch: corner.stretch(uv_from_surface).as_dvec2(),
+            shape_operator: corner.shape_operator(uv_from_surface).as_dmat2(),
+        };
+        let reliefs = surface.shape.bump_rule().map(|_| corners.map(relief));
+        Some(Self { corners, tangents, reconstruction, reliefs, uvs, coverage_from_pixel, depth_over_w, w })
     }
 
     /// The pixels it can touch, within `window`.
@@ -170,15 +192,17 @@ impl<'a> ScreenTriangle<'a> {
         let [x, y] = pixel;
         let weights = self.weights(pixel);
         let uv = |pixel| self.uv(pixel);
-        let frame = self.reconstruction.frame(DMat3::from_cols(
+        let corners = DMat3::from_cols(
             self.blend_tangents(weights, |frame| frame.tangent),
             self.blend_tangents(weights, |frame| frame.bitangent),
             self.blend(weights, |v| v.normal),
-        ));
+        );
+        let frame = self.reconstruction.frame(corners);
         SurfacePoint {
             position_in_world: self.blend(weights, |v| v.position).as_vec3(),
             world_from_tangent: frame.world_from_tangent.as_mat3(),
             tangent_from_map: frame.tangent_from_map.as_mat3(),
+            bumped: self.reliefs.map(|reliefs| bumped(corners, weights, reliefs)),
             uv: uv(pixel).as_vec2(),
             uv_dx: (uv([x | 1, y]) - uv([x & !1, y])).as_vec2(),
             uv_dy: (uv([x, y | 1]) - uv([x, y & !1])).as_vec2(),

@@ -37,7 +37,8 @@ impl HeightSample {
 }
 
 /// Which normal is taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum BumpRule {
     /// Blinn's: the height counts by its slopes alone.
     Blinn,
@@ -61,6 +62,36 @@ pub fn perturbed_normal(jet: &Jet, texture_from_surface: DMat2, sample: HeightSa
         }
     };
     (frame.inverse().transpose() * corrected).normalize_or_zero()
+}
+
+/// A surface under a relief, interpolated to one pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bumped {
+    /// `N' = [chi_s | chi_t | n]`, by Mikkelsen's three steps (section 3.4): n a unit vector, the derivatives in its
+    /// plane and of the interpolated lengths.
+    pub world_from_texture: DMat3,
+    /// `-J^-1 W J`, whose elements are `[z1 z2; z3 z4]`.
+    pub shape_operator: DMat2,
+}
+
+impl Bumped {
+    /// From the interpolated tangent, bitangent and normal, the columns of a matrix, and the lengths of the derivatives.
+    pub fn new(interpolated: DMat3, stretch: DVec2, shape_operator: DMat2) -> Self {
+        let normal = interpolated.z_axis.normalize_or_zero();
+        let laid = |v: DVec3| (v - normal * normal.dot(v)).normalize_or_zero();
+        let [s, t] = [stretch.x * laid(interpolated.x_axis), stretch.y * laid(interpolated.y_axis)];
+        Self { world_from_texture: DMat3::from_cols(s, t, normal), shape_operator }
+    }
+
+    /// Takes the normals of a map of heights to those of the bump-mapped surface, up to their length. `rise` is by how
+    /// much slopes by texture coordinates, in world units, are steeper than those of the map, which count texels.
+    pub fn world_from_map(&self, height: f64, rise: DVec2, rule: BumpRule) -> DMat3 {
+        let correction = match rule {
+            BumpRule::Blinn => DMat3::IDENTITY,
+            BumpRule::Exact => correction(self.shape_operator, height),
+        };
+        self.world_from_texture.inverse().transpose() * correction * DMat3::from_diagonal(rise.extend(1.0))
+    }
 }
 
 /// M' from `-J^-1 W J` and the height.

@@ -159,6 +159,7 @@ fn vertex(soup: &Soup, index: usize, mut contributions: Vec<Contribution>, prese
         along_u: along_u.extend(length(0) as f32).to_array(),
         along_t: mean(|c| c.t).as_vec3().normalize_or(across).extend(length(1) as f32).to_array(),
         uv: soup.uvs[index].to_array(),
+        bend: [0.0; 4],
     }
 }
 
@@ -181,11 +182,11 @@ mod tests {
     }
 
     /// Every corner's vertex, by its triangle's corners, in no order that the mesh gives.
-    fn corners(mesh: &Mesh) -> Vec<[[u32; 16]; 3]> {
-        let mut all: Vec<[[u32; 16]; 3]> = mesh
+    fn corners(mesh: &Mesh) -> Vec<[[u32; 20]; 3]> {
+        let mut all: Vec<[[u32; 20]; 3]> = mesh
             .triangles()
             .map(|corners| {
-                let mut corners = corners.map(|vertex| bytemuck::cast::<Vertex, [u32; 16]>(*vertex));
+                let mut corners = corners.map(|vertex| bytemuck::cast::<Vertex, [u32; 20]>(*vertex));
                 corners.sort_unstable();
                 corners
             })

@@ -21,6 +21,8 @@ pub struct Vertex {
     pub along_t: [f32; 4],
     /// Texture coordinates, before they are turned and tiled; v runs down.
     pub uv: [f32; 2],
+    /// The Weingarten matrix by the surface's own coordinates, t up, by columns; 0 where it is not known.
+    pub bend: [f32; 4],
 }
 
 /// Which way the map lies at a vertex.
@@ -49,7 +51,30 @@ impl Vertex {
             along_u: with_length(east, jet.u),
             along_t: with_length(jet.t, jet.t),
             uv: [u as f32, v as f32],
+            bend: [0.0; 4],
         }
+    }
+
+    /// The same vertex of a surface that bends as `jet` does.
+    pub fn bent_as(self, jet: &Jet) -> Self {
+        let bend = jet.weingarten().as_mat2();
+        Self { bend: if bend.is_finite() { bend.to_cols_array() } else { [0.0; 4] }, ..self }
+    }
+
+    /// How far the surface goes per unit of either coordinate of a map that is read at `uv_from_surface * uv`.
+    pub fn stretch(&self, uv_from_surface: Mat2) -> Vec2 {
+        let [[a, minus_c], [minus_b, d]] = uv_from_surface.to_cols_array_2d();
+        let derivative = |along: [f32; 4]| Vec3::new(along[0], along[1], along[2]) * along[3].max(LEAST_DERIVATIVE);
+        let (along_u, along_t) = (derivative(self.along_u), derivative(self.along_t));
+        let lengths = [d * along_u + minus_c * along_t, minus_b * along_u + a * along_t].map(Vec3::length);
+        Vec2::from_array(lengths) / uv_from_surface.determinant().abs()
+    }
+
+    /// `-A W A^-1`: how the surface bends by the coordinates of such a map, t up.
+    pub fn shape_operator(&self, uv_from_surface: Mat2) -> Mat2 {
+        let flip = Mat2::from_diagonal(Vec2::new(1.0, -1.0));
+        let texture_from_surface = flip * uv_from_surface * flip;
+        -(texture_from_surface * Mat2::from_cols_array(&self.bend) * texture_from_surface.inverse())
     }
 
     /// The frame of a map that is read at `uv_from_surface * uv`.
@@ -121,7 +146,7 @@ impl Mesh {
     /// Vertices that differ from another in their frame alone: where textures meet that do not go on smoothly.
     pub fn splits(&self) -> usize {
         let place = |vertex: &Vertex| {
-            bytemuck::cast::<Vertex, [u32; 16]>(Vertex { along_u: [0.0; 4], along_t: [0.0; 4], ..*vertex })
+            bytemuck::cast::<Vertex, [u32; 20]>(Vertex { along_u: [0.0; 4], along_t: [0.0; 4], ..*vertex })
         };
         let places: std::collections::HashSet<_> = self.vertices.iter().map(place).collect();
         self.vertices.len() - places.len()

@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DMat2, DVec2, Mat2};
 
+use super::bump::BumpRule;
 use super::jet::Jet;
 use super::mesh::{Mesh, Vertex};
 use super::model::Model;
@@ -50,6 +51,10 @@ pub struct Shape {
     pub frames: FrameRule,
     /// What is made of the corners' frames at a pixel between them.
     pub reconstruction: Reconstruction,
+    /// How a map of heights bumps a parametric surface; without a rule its slopes count texels, on every surface alike.
+    pub bump: Option<BumpRule>,
+    /// What a height of 1 is then, in the surface's own units.
+    pub bump_scale: f32,
     /// The mesh, where the kind asks for one; a session file names its path.
     #[serde(skip)]
     pub model: Option<Arc<Model>>,
@@ -66,6 +71,8 @@ impl Shape {
         mirrored: false,
         frames: FrameRule::File,
         reconstruction: Reconstruction::Orthonormal,
+        bump: None,
+        bump_scale: 0.0625,
         model: None,
     };
 }
@@ -78,6 +85,9 @@ impl Default for Shape {
 
 /// How much of its own size the monkey saddle is drawn with: its heights reach from -2 to 2.
 const SADDLE_SCALE: f64 = 0.45;
+
+/// How near its poles a sphere's curvature is asked for.
+const BESIDE_POLE: f64 = 1e-4;
 
 impl ShapeKind {
     /// Every kind that needs no file, in the order they are offered.
@@ -130,6 +140,11 @@ impl Shape {
         }
     }
 
+    /// The rule by which a map of heights bumps the surface, where it is one function of u and t.
+    pub fn bump_rule(&self) -> Option<BumpRule> {
+        self.bump.filter(|_| self.jet(0.5, 0.5).is_some())
+    }
+
     /// World units in one of the surface's own units.
     pub fn scale(&self) -> f64 {
         if self.kind == ShapeKind::MonkeySaddle { SADDLE_SCALE } else { 1.0 }
@@ -156,7 +171,9 @@ impl Shape {
         };
         let vertex = |u: f64, v: f64| {
             let jet = self.jet(u, 1.0 - v).unwrap_or_default().scaled(self.scale());
-            Vertex::of_jet(&jet, 1.0 - v, [u, v])
+            // At a pole there is no curvature by u; near it there is.
+            let bends = self.jet(u, (1.0 - v).clamp(BESIDE_POLE, 1.0 - BESIDE_POLE)).unwrap_or_default();
+            Vertex::of_jet(&jet, 1.0 - v, [u, v]).bent_as(&bends.scaled(self.scale()))
         };
         Mesh::over_unit_square(columns, rows, vertex)
     }

@@ -176,6 +176,7 @@ pub(super) fn vertex(soup: &Soup, index: u32, frame: Option<CornerFrame>) -> Ver
         along_u: tangent.extend(lengths[0]).to_array(),
         along_t: bitangent.extend(lengths[1]).to_array(),
         uv: soup.uvs[index].to_array(),
+        bend: [0.0; 4],
     }
 }
 
@@ -185,7 +186,7 @@ pub fn welded(corners: impl Iterator<Item = Vertex>) -> Mesh {
     let mut known = HashMap::new();
     for vertex in corners {
         let next = mesh.vertices.len() as u32;
-        let index = *known.entry(bytemuck::cast::<Vertex, [u32; 16]>(vertex)).or_insert(next);
+        let index = *known.entry(bytemuck::cast::<Vertex, [u32; 20]>(vertex)).or_insert(next);
         if index == next {
             mesh.vertices.push(vertex);
         }

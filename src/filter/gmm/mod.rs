@@ -21,6 +21,7 @@ use super::rival::{Built, Parameter, Rival, RivalFilter, RivalKind, Source};
 use super::vmf::{Cancelled, Monitor};
 use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe, PlainMip};
 use crate::brdf::{Brdf, Material};
+use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::vmf::KAPPA_DELTA;
 
@@ -97,6 +98,10 @@ impl RivalFilter for Gmm {
 }
 
 impl Filter for Gmm {
+    fn map(&self) -> &NormalMap {
+        &self.mip.map
+    }
+
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let mixture = self.mixture(texel);
         Box::new(move |omega| effective_brdf(&mixture.gaussians, brdf, omega))

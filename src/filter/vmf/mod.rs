@@ -60,6 +60,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
 use super::sampling::{Grid, trilinear};
 use super::{EffectiveBrdf, Filter, LocalLight, LocalSky, Lookup, NdfLobe};
 use crate::brdf::{Brdf, ConvolutionRule, Convolved, DiffuseRule, Material};
+use crate::normal_map::NormalMap;
 use crate::normal_map::pyramid::Texel;
 use crate::sphere::mixture::{EMPTY_WEIGHT, MAX_LOBES};
 use crate::sphere::vmf;
@@ -199,6 +200,10 @@ impl Slots {
 }
 
 impl Filter for VmfFilter {
+    fn map(&self) -> &NormalMap {
+        &self.lobes.map
+    }
+
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         let mixture = fold::mixture(&self.lobes, self.fold, texel).unwrap_or_default();
         let convolved = |lobe: &Lobe| match brdf {
@@ -223,6 +228,10 @@ impl Filter for VmfFilter {
 }
 
 impl Filter for UnalignedVmf {
+    fn map(&self) -> &NormalMap {
+        self.0.map()
+    }
+
     fn effective_brdf_of(&self, texel: Texel, brdf: Brdf) -> EffectiveBrdf<'_> {
         self.0.effective_brdf_of(texel, brdf)
     }

@@ -14,6 +14,8 @@ use crate::gpu::surface_pipelines::{SurfacePipelines, Variant};
 use crate::gpu::textures::MapTextures;
 use crate::lighting::{Light, MAX_LIGHTS};
 use crate::lit_surface::LitSurface;
+use crate::normal_map::NormalMap;
+use crate::scene::bump::BumpRule;
 use crate::scene::{Mesh, Reconstruction, Shape};
 
 /// The format of the pictures: 32-bit floats, which means of many samples need, bit for bit in unsigned integers, which
@@ -23,7 +25,7 @@ pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shader's parts, in order.
-pub const SHADER: [&str; 16] = [
+pub const SHADER: [&str; 17] = [
     layout::VMF,
     layout::BLINN_PHONG,
     layout::TORRANCE_SPARROW,
@@ -37,6 +39,7 @@ pub const SHADER: [&str; 16] = [
     layout::SAMPLING,
     layout::TRUTH,
     layout::RECONSTRUCTION,
+    layout::BUMP,
     layout::LAT_LONG,
     layout::SKY,
     include_str!("../../../shaders/surface.wgsl"),
@@ -83,8 +86,14 @@ pub struct FrameData {
     pub light_count: u32,
     /// How the frame at a pixel is reconstructed, by the shader's number.
     pub reconstruction: u32,
+    /// How a map of heights bumps the surface, by the shader's number; 0 where none does.
+    pub bump: u32,
+    /// What a height of 1 is then, in world units.
+    pub bump_scale: f32,
+    /// By how much slopes by texture coordinates are steeper than the map's.
+    pub rise: [f32; 2],
     /// Nothing.
-    pub more_padding: [u32; 2],
+    pub padding: [u32; 2],
     /// Which slot each slot is added to.
     pub fold: [[u32; 4]; 4],
     /// The lights.
@@ -134,6 +143,17 @@ impl FrameData {
             uv_from_surface: surface.shape.uv_from_surface().to_cols_array_2d(),
             ..Self::default()
         }
+    }
+
+    /// Sets how the map bumps the surface, where it holds heights and the shape asks for it.
+    pub fn set_bump(&mut self, shape: &Shape, map: &NormalMap) {
+        let scale = shape.bump_scale * shape.scale() as f32;
+        let (Some(rule), Some(rise)) = (shape.bump_rule(), map.rise(scale)) else { return };
+        (self.bump_scale, self.rise) = (scale, rise.to_array());
+        self.bump = match rule {
+            BumpRule::Blinn => 1,
+            BumpRule::Exact => 2,
+        };
     }
 
     /// Sets which slot each slot is added to.

@@ -56,7 +56,10 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         most_probes,
         light_count,
         reconstruction,
-        more_padding,
+        bump,
+        bump_scale,
+        rise,
+        padding,
         fold,
         lights,
     });

@@ -1,5 +1,6 @@
 //! What the graphics adapter draws, held against the processor's twins.
 
+mod bump;
 mod context;
 mod frames;
 mod frames_per_pixel;

@@ -59,8 +59,13 @@ struct Truncated {
 }
 
 impl Filter for Truncated {
+    fn map(&self) -> &NormalMap {
+        &self.map
+    }
+
+    /// It is for pictures alone.
     fn effective_brdf_of(&self, _: Texel, _: Brdf) -> EffectiveBrdf<'_> {
-        unimplemented!("pictures alone")
+        Box::new(|_| f64::NAN)
     }
 
     fn takes_probes(&self) -> bool {
@@ -85,9 +90,10 @@ impl Filter for Truncated {
     }
 }
 
-/// Han et al. 2007, figure 3: a Lambertian plane that runs into the distance. A method that is shaded at every probe by
-/// what it keeps there is as far off as what it keeps lets it be: of harmonics to l = 2 that is the cosine's bands beyond
-/// the second, which the truth's own samples lose as well.
+/// Han et al. 2007, figure 3: a Lambertian plane that runs into the distance. A method is as far off as what it keeps at
+/// every probe lets it be: of harmonics to l = 2 that is the cosine's bands beyond the second, which the truth's own
+/// samples lose as well. Measured by 1 and by 16 probes: .132 and .057 to l = 2, .137 and .038 to l = 12, .147 and .040 by
+/// the mean normal; the truth's samples are .040 off without the bands beyond the second, .002 without those beyond 12.
 #[test]
 fn probes_let_harmonics_and_mean_normals_gain_on_a_grazing_lambertian_plane() {
     let scene = |probes| {

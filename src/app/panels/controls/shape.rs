@@ -7,9 +7,10 @@ use egui::{RichText, TextEdit, Ui};
 use super::parameters as p;
 use super::{OPEN_WIDTH, PanelContext};
 use crate::app::panels::needles;
-use crate::app::parameter::{checkbox, choice, label};
+use crate::app::parameter::{Parameter, checkbox, choice, label};
 use crate::app::view_state::NeedlesView;
 use crate::app::{Command, theme};
+use crate::scene::bump::BumpRule;
 use crate::scene::{FrameRule, Reconstruction, Shape, ShapeKind};
 
 /// Shows the shape, its own parameters and those of the map on it.
@@ -36,6 +37,9 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, shape: &mut Shape) {
     }
     texture(ui, shape);
     let has_relief = needles::can_show(context);
+    if has_relief {
+        bump(ui, shape);
+    }
     draw_needles(ui, &mut context.view.needles, has_relief);
 }
 
@@ -50,6 +54,25 @@ fn draw_needles(ui: &mut Ui, view: &mut NeedlesView, has_relief: bool) {
     });
     if has_relief && view.shown {
         p::NEEDLE_SCALE.show_f32(ui, &mut view.scale);
+    }
+}
+
+/// What the heights of a map are on the surface.
+const BUMP: &str = "How the heights bump the surface. As a map of normals: their slopes count texels, whatever a texel \
+                    covers. Blinn's normal and the exact one of the displaced surface (Mikkelsen's equation 25) take \
+                    them in the surface's own units.";
+const BUMP_SCALE: Parameter =
+    Parameter { name: "Bump lambda", tooltip: "What a height of 1 is, in the surface's own units.", ..p::NEEDLE_SCALE };
+
+/// How a relief bumps the surface.
+fn bump(ui: &mut Ui, shape: &mut Shape) {
+    let rules =
+        [(None, "as a map of normals"), (Some(BumpRule::Blinn), "Blinn's normal"), (Some(BumpRule::Exact), "exact")];
+    if let Some(rule) = choice(ui, "Bump", BUMP, shape.bump, &rules) {
+        shape.bump = rule;
+    }
+    if shape.bump.is_some() {
+        BUMP_SCALE.show_f32(ui, &mut shape.bump_scale);
     }
 }
 
