@@ -44,8 +44,8 @@ pub struct Cli {
     /// How the map is read.
     #[command(flatten)]
     pub map_arguments: MapArguments,
-    /// Write a line for every frame of the window, in milliseconds: its start, the time of its panels, and that of the
-    /// window's thread in all, waits for the adapter left out.
+    /// Write a line for every frame of the window, in milliseconds: its start, the time of its panels, and the
+    /// processor's time that the window's thread spent in all.
     #[arg(long, value_name = "FILE")]
     pub frame_log: Option<PathBuf>,
     /// Give the graphics device up after so many seconds, to rehearse its loss.
