@@ -42,6 +42,9 @@ pub const LAT_LONG: &str = include_str!("../../shaders/shared/lat_long.wgsl");
 /// What lobes and samples reflect of the sky, the twin of `filter/sky_light.rs`.
 pub const SKY: &str = include_str!("../../shaders/shared/sky.wgsl");
 
+/// The entry points of lobes, aligned and unaligned, the twin of `filter/vmf/mod.rs`.
+pub const LOBES: &str = include_str!("../../shaders/shared/lobes.wgsl");
+
 /// The entry point of every rival, the twin of `filter/rival.rs` and `filter/channels.rs`.
 pub const RIVAL: &str = include_str!("../../shaders/shared/rival.wgsl");
 

@@ -25,7 +25,7 @@ pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shader's parts, in order.
-pub const SHADER: [&str; 17] = [
+pub const SHADER: [&str; 18] = [
     layout::VMF,
     layout::BLINN_PHONG,
     layout::TORRANCE_SPARROW,
@@ -43,6 +43,7 @@ pub const SHADER: [&str; 17] = [
     layout::LAT_LONG,
     layout::SKY,
     include_str!("../../../shaders/surface.wgsl"),
+    layout::LOBES,
 ];
 
 /// The parts of a rival's shader, in order: the surface's, the entry point, the method's own.
