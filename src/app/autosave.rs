@@ -37,11 +37,19 @@ pub fn last_run() -> Option<Result<SessionFile, SessionFileError>> {
 impl Autosave {
     /// Keeps the document in the user's folder.
     pub fn of_user() -> Self {
-        Self { store: user_store(), ..Self::default() }
+        user_store().map(Self::at).unwrap_or_default()
     }
 
-    /// Writes the document, which is saved to `saved_as`, in the background, a little after it has changed; asks for a pass of the window then, and
-    /// for none otherwise.
+    /// Keeps the document in a file, whose folder is made where it is missing.
+    fn at(store: PathBuf) -> Self {
+        if let Some(Err(error)) = store.parent().map(std::fs::create_dir_all) {
+            log::warn!("the session is not kept, for the folder of '{}' cannot be made: {error}", store.display());
+        }
+        Self { store: Some(store), ..Self::default() }
+    }
+
+    /// Writes the document, which is saved to `saved_as`, in the background, a little after it has changed; asks for a
+    /// pass of the window then, and for none otherwise.
     pub fn update(&mut self, now: &SessionFile, saved_as: Option<&Path>, ctx: &egui::Context, wake: &Wake) {
         let Some(store) = self.store.clone() else { return };
         self.poll();
@@ -119,8 +127,9 @@ mod tests {
     #[test]
     fn what_changed_last_is_written_when_the_window_closes() {
         let folder = tempfile::tempdir().expect("a folder");
-        let store = folder.path().join("last.ndfi.json");
-        let mut autosave = Autosave { store: Some(store.clone()), ..Autosave::default() };
+        // As on the first start.
+        let store = folder.path().join("config/ndf-inspector/last.ndfi.json");
+        let mut autosave = Autosave::at(store.clone());
         autosave.finish(
             &SessionFile { truth_samples: Some(78), ..SessionFile::default() },
             Some(&folder.path().join("mine.ndfi.json")),
