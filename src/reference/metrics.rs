@@ -3,12 +3,16 @@
 
 use super::Picture;
 
+/// A colour of this length, linear, is black: half the first step of an 8-bit sRGB display. Next to nothing to divide by
+/// would make one pixel at the edge of light outweigh all others.
+pub const BLACK: f64 = 0.5 / 255.0 / 12.92;
+
 /// The normalised colour error (Tan et al. 2005): the Euclidean distance of the colours over the length of the
-/// reference's colour, averaged over the covered pixels whose reference is not black. `None` where there is none.
+/// reference's colour, averaged over the covered pixels whose reference is not [`BLACK`]. `None` where there is none.
 pub fn normalised_color_error(picture: &Picture, reference: &Picture) -> Option<f64> {
     mean(covered(picture, reference).filter_map(|(color, truth)| {
         let length = truth.length();
-        (length > 0.0).then(|| (color - truth).length() / length)
+        (length > BLACK).then(|| (color - truth).length() / length)
     }))
 }
 
@@ -38,14 +42,14 @@ pub fn standard_error_of((part, n): (&Picture, u32), (whole, all): (&Picture, u3
 }
 
 /// What changes from one frame to the next: the Euclidean distance of a pixel's two colours over the mean length of the
-/// reference's two, averaged over the pixels that are covered in both and whose reference is not black in both. `None`
-/// where there is none.
+/// reference's two, averaged over the pixels that are covered in both and whose reference is not [`BLACK`] in the mean.
+/// `None` where there is none.
 pub fn temporal_change(frames: [&Picture; 2], reference: [&Picture; 2]) -> Option<f64> {
     let [before, after] = frames.map(|frame| frame.rgb.iter().map(|color| color.as_dvec3()));
     let [was, is] = reference.map(|frame| frame.rgb.iter().zip(&frame.covered));
     mean(before.zip(after).zip(was.zip(is)).filter_map(|((before, after), ((was, seen), (is, still_seen)))| {
         let length = 0.5 * (was.as_dvec3().length() + is.as_dvec3().length());
-        (*seen && *still_seen && length > 0.0).then(|| (after - before).length() / length)
+        (*seen && *still_seen && length > BLACK).then(|| (after - before).length() / length)
     }))
 }
 
@@ -74,6 +78,8 @@ mod tests {
         let other = picture([Vec3::new(1.0, 3.0, 4.0), Vec3::new(0.0, 2.0, 0.0), Vec3::ZERO]);
         // The black pixel has no length to divide by; the third is not covered.
         assert_eq!(normalised_color_error(&other, &reference), Some(0.2));
+        let nearly_black = picture([Vec3::new(0.0, 3.0, 4.0), Vec3::splat(1e-5), Vec3::ONE]);
+        assert_eq!(normalised_color_error(&other, &nearly_black), Some(0.2));
         assert!(rmse(&other, &reference).is_some_and(|e| (e - (5.0_f64 / 6.0).sqrt()).abs() < 1e-12));
         assert_eq!(rmse(&reference, &reference), Some(0.0));
     }
