@@ -14,7 +14,7 @@ use egui::accesskit::TreeUpdate;
 use egui::{Event, RawInput, Rect, ViewportId, vec2};
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 
-use crate::app::dock::Preset;
+use crate::app::dock::{Panel, Preset};
 use crate::app::inspector::{Inspector, Surroundings, wake_of};
 use crate::app::viewport::PaintTarget;
 use crate::gpu::Gpu;
@@ -47,6 +47,19 @@ pub struct Screenshot {
     pub size: [u32; 2],
     /// Row by row from the top.
     pub rgba: Vec<u8>,
+}
+
+impl Screenshot {
+    /// The part within a rectangle in pixels, as much of it as there is.
+    #[must_use]
+    pub fn within(&self, rect: Rect) -> Self {
+        let [width, height] = self.size.map(|side| side as usize);
+        let clamped = |value: f32, most: usize| (value.round().max(0.0) as usize).min(most);
+        let columns = clamped(rect.left(), width)..clamped(rect.right(), width);
+        let rows = clamped(rect.top(), height)..clamped(rect.bottom(), height);
+        let row = |y: usize| &self.rgba[4 * (y * width + columns.start)..4 * (y * width + columns.end)];
+        Self { size: [columns.len() as u32, rows.len() as u32], rgba: rows.flat_map(row).copied().collect() }
+    }
 }
 
 /// Passes without waiting: sizes settle in three, textures and callbacks follow.
@@ -115,6 +128,13 @@ impl<'a> Headless<'a> {
                 window.let_jobs_run();
             }
         })
+    }
+
+    /// As [`Self::screenshot`], of one panel; `None` where it is out of sight.
+    pub fn screenshot_of(&mut self, panel: Panel) -> Result<Option<Screenshot>, ReadbackError> {
+        let whole = self.screenshot()?;
+        let rect = self.inspector.rect_of(panel);
+        Ok(rect.map(|rect| whole.within(rect * self.canvas.px_per_point)))
     }
 
     /// True when nothing is under way and nothing asks for another pass.

@@ -252,6 +252,11 @@ impl Inspector {
         }
     }
 
+    /// Where the last pass showed a panel, in points; `None` where it is out of sight.
+    pub fn rect_of(&self, panel: Panel) -> Option<Rect> {
+        self.dock.rect(panel)
+    }
+
     /// What the user prefers.
     pub fn settings(&self) -> &Settings {
         self.settings.get()

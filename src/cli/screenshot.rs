@@ -6,11 +6,11 @@ use clap::Args;
 
 use super::options::read_text;
 use super::render::{PictureSize, SceneArguments};
-use crate::app::dock::Preset;
+use crate::app::dock::{Panel, Preset};
 use crate::app::theme::Theme;
 use crate::gpu::Gpu;
 use crate::headless::script::Script;
-use crate::headless::{Headless, ScreenshotSettings};
+use crate::headless::{Headless, Screenshot, ScreenshotSettings};
 use crate::image_io::write_png_rgba8;
 use crate::normal_map::pyramid::Texel;
 
@@ -36,6 +36,9 @@ pub struct ScreenshotCommand {
     /// What the window is used for, and so which panels it shows: inspect, compare, tune or map-only.
     #[arg(long, value_name = "PRESET")]
     pub preset: Option<Preset>,
+    /// One panel alone, by the name on its tab: controls, surface, map, figures, texel or levels.
+    #[arg(long, value_name = "PANEL")]
+    pub panel: Option<Panel>,
     /// How the window looks: dark, light or high-contrast.
     #[arg(long, value_name = "THEME", default_value = "dark")]
     pub theme: Theme,
@@ -75,8 +78,14 @@ impl ScreenshotCommand {
             window.play(&script)?;
         }
         if let Some(output) = &self.output {
-            let picture = window.screenshot()?;
-            write_png_rgba8(output, size[0] as usize, size[1] as usize, &picture.rgba)?;
+            let picture = match self.panel {
+                Some(panel) => window.screenshot_of(panel)?.ok_or_else(|| {
+                    anyhow::anyhow!("The panel {} is out of sight: choose a preset that has it.", panel.title())
+                })?,
+                None => window.screenshot()?,
+            };
+            let Screenshot { size: [width, height], rgba } = picture;
+            write_png_rgba8(output, width as usize, height as usize, &rgba)?;
         }
         Ok(())
     }

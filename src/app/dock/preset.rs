@@ -46,6 +46,15 @@ impl Panel {
     }
 }
 
+impl FromStr for Panel {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let named = Self::ALL.into_iter().find(|panel| panel.title().eq_ignore_ascii_case(text));
+        named.ok_or_else(|| "write controls, surface, map, figures, texel or levels".to_owned())
+    }
+}
+
 /// Which panels are shown beside the main ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]

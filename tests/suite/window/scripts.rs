@@ -117,3 +117,27 @@ fn presets_and_themes_are_chosen_by_option_and_by_name() {
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && error.contains("inspect, compare, tune or map-only"), "{error}");
 }
+
+#[test]
+fn a_panel_is_pictured_alone() {
+    let folder = folder();
+    sample(&folder, "plate");
+    let run = |options: &[&str]| {
+        let shared = ["screenshot", "plate.png", "--samples", "16", "--size", "1000x640"];
+        run(&folder, &[&shared, options].concat())
+    };
+    let picture = |name: &str| image::open(folder.path().join(name)).expect("a PNG").to_rgba8();
+    assert!(run(&["-o", "whole.png"]).status.success() && run(&["--panel", "texel", "-o", "panel.png"]).status.success());
+    let (whole, panel) = (picture("whole.png"), picture("panel.png"));
+    assert!(panel.width() > 200 && panel.width() < 500 && panel.height() > 400, "{:?}", panel.dimensions());
+    // It stands at the window's right edge.
+    let left = whole.width() - panel.width();
+    let is_at = |top: u32| {
+        let part = image::imageops::crop_imm(&whole, left, top, panel.width(), panel.height());
+        part.to_image() == panel
+    };
+    assert!((0..=whole.height() - panel.height()).any(is_at));
+    let output = run(&["--panel", "figures", "-o", "none.png"]);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(1) && error.contains("Figures is out of sight"), "{error}");
+}
