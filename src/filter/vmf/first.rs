@@ -19,17 +19,17 @@ use crate::sphere::StoredLobe;
 /// The largest footprint, base texels, that is fitted ahead: a tenth of a second's work.
 const MOST_NORMALS: usize = 1 << 14;
 
-/// The texel's own lobes, taken in a pose of the map; `None` for a base texel and for one that would take long.
+/// The texel's own lobes; `None` for a base texel and for one that would take long. The map is in `pose`, texel and lobes
+/// are as it lies.
 pub fn fit(map: &Arc<NormalMap>, pose: Pose, texel: Texel, settings: &FitSettings) -> Option<Vec<StoredLobe>> {
-    let texel = pose.texel(*map.level_sizes().get(texel.level)?, texel);
-    let map = pose.map(map);
     let sizes = map.level_sizes();
     let size = *sizes.get(texel.level).filter(|_| texel.level > 0)?;
+    let texel = pose.texel(pose.inverse().size(size), texel);
     if Footprint::new(sizes[0], size, (texel.x, texel.y)).len() > MOST_NORMALS {
         return None;
     }
     let monitor = Monitor::new(vec![0; sizes.len()]);
-    let mut lobes = LobePyramid::unfitted(map);
+    let mut lobes = LobePyramid::unfitted(Arc::clone(map));
     for (level, columns, rows) in under(&sizes, texel) {
         let mut mixtures = MixtureLevel::empty(sizes[level], settings.lobes);
         let width = mixtures.width;
@@ -80,7 +80,8 @@ mod tests {
             let settings = FitSettings { lobes: 4, align: Alignment::None, ..FitSettings::default() };
             let monitor = Monitor::new(expected_visits(&map, &settings));
             let all = fit_all(&map, &settings, &monitor, &mut |_| {}).expect("nobody cancels");
-            let alone = fit(&map, Pose::canonical(&map), texel, &settings).expect("small");
+            let pose = Pose::canonical(&map);
+            let alone = fit(&pose.map(&map), pose, texel, &settings).expect("small");
             assert_eq!(alone, all.level(texel.level).expect("fitted").texel(texel.x, texel.y));
         }
     }

@@ -195,7 +195,7 @@ pub fn fit_from(
     let mut posed = Posed::new(map, Pose::canonical(map));
     let aligns = settings.align != Alignment::None;
     if let Some(texel) = start.first.filter(|texel| texel.level > start.own.len())
-        && let Some(stored) = first::fit(map, posed.pose, texel, settings)
+        && let Some(stored) = first::fit(&posed.lobes.map, posed.pose, texel, settings)
     {
         report(FitEvent::First { texel, stored });
     }

@@ -127,7 +127,9 @@ fn a_panel_is_pictured_alone() {
         run(&folder, &[&shared, options].concat())
     };
     let picture = |name: &str| image::open(folder.path().join(name)).expect("a PNG").to_rgba8();
-    assert!(run(&["-o", "whole.png"]).status.success() && run(&["--panel", "texel", "-o", "panel.png"]).status.success());
+    assert!(
+        run(&["-o", "whole.png"]).status.success() && run(&["--panel", "texel", "-o", "panel.png"]).status.success()
+    );
     let (whole, panel) = (picture("whole.png"), picture("panel.png"));
     assert!(panel.width() > 200 && panel.width() < 500 && panel.height() > 400, "{:?}", panel.dimensions());
     // It stands at the window's right edge.
