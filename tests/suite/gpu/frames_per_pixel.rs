@@ -33,7 +33,8 @@ fn sheared_roof(map: Arc<NormalMap>) -> Scene {
 
 #[test]
 fn every_reconstruction_has_a_twin_by_every_method_by_lights_and_under_a_sky() {
-    for way in Reconstruction::ALL {
+    // The rotation has its twins with every surface and every sky.
+    for way in [Reconstruction::Projected, Reconstruction::Interpolated] {
         for has_sky in [false, true] {
             let mut scene = sheared_roof(rough());
             scene.size = [96, 72];
