@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::jobs::{Job, JobEvent, Wake};
 use crate::session::file::{SessionFile, SessionFileError};
-use crate::session::recent::user_folder;
+use crate::session::recent::{make_folder_of, user_folder};
 
 /// From a change to its being written, so that a row of changes is written once.
 const PAUSE: Duration = Duration::from_secs(2);
@@ -42,9 +42,7 @@ impl Autosave {
 
     /// Keeps the document in a file, whose folder is made where it is missing.
     fn at(store: PathBuf) -> Self {
-        if let Some(Err(error)) = store.parent().map(std::fs::create_dir_all) {
-            log::warn!("the session is not kept, for the folder of '{}' cannot be made: {error}", store.display());
-        }
+        make_folder_of(&store);
         Self { store: Some(store), ..Self::default() }
     }
 

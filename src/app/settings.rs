@@ -6,8 +6,7 @@ use egui::Context;
 use serde::{Deserialize, Serialize};
 
 use super::theme::{self, Theme};
-use crate::image_io::write_bytes_atomically;
-use crate::session::recent::user_folder;
+use crate::session::recent::{keep, user_folder};
 
 /// The preferences.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,15 +75,9 @@ impl KeptSettings {
         self.settings = std::mem::take(&mut self.settings).sound();
         if self.settings != before
             && let Some(store) = &self.store
+            && let Err(error) = keep(store, &self.settings)
         {
-            if let Some(folder) = store.parent() {
-                // A folder that cannot be made shows as a file that cannot be written.
-                let _ = std::fs::create_dir_all(folder);
-            }
-            let json = serde_json::to_vec_pretty(&self.settings).unwrap_or_default();
-            if let Err(error) = write_bytes_atomically(store, &json) {
-                log::warn!("{error}");
-            }
+            log::warn!("{error}");
         }
     }
 

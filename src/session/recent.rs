@@ -3,12 +3,29 @@
 use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
+use serde::Serialize;
 
 use crate::image_io::{WriteImageError, write_bytes_atomically};
 
 /// The user's folder for what the program keeps; `None` on a system that has none.
 pub fn user_folder() -> Option<PathBuf> {
     ProjectDirs::from("", "", "ndf-inspector").map(|dirs| dirs.config_dir().to_owned())
+}
+
+/// Makes the folder of a file that is kept for the user. One that cannot be made shows as a file that cannot be written.
+pub fn make_folder_of(store: &Path) {
+    if let Some(folder) = store.parent() {
+        let _ = std::fs::create_dir_all(folder);
+    }
+}
+
+/// Keeps a value for the user, as JSON.
+///
+/// # Errors
+/// One sentence that names the file and the cause.
+pub fn keep(store: &Path, value: &impl Serialize) -> Result<(), WriteImageError> {
+    make_folder_of(store);
+    write_bytes_atomically(store, &serde_json::to_vec_pretty(value).unwrap_or_default())
 }
 
 /// How many are remembered.
@@ -44,13 +61,7 @@ impl RecentFiles {
         self.paths.retain(|known| *known != path);
         self.paths.insert(0, path);
         self.paths.truncate(CAPACITY);
-        let Some(store) = &self.store else { return Ok(()) };
-        if let Some(folder) = store.parent() {
-            // A folder that cannot be made shows as a file that cannot be written.
-            let _ = std::fs::create_dir_all(folder);
-        }
-        let json = serde_json::to_vec_pretty(&self.paths).unwrap_or_default();
-        write_bytes_atomically(store, &json)
+        self.store.as_deref().map_or(Ok(()), |store| keep(store, &self.paths))
     }
 }
 

@@ -228,11 +228,10 @@ pub fn fit_from(
         own.push(stats);
         keep(&mut lobes, level, mixtures, stats, if aligns { Stage::Own } else { Stage::Done }, report);
     }
-    // An alignment row by row is at home in the map as it lies.
-    let pose = if settings.align.pull().is_none() { posed.pose } else { Pose::IDENTITY };
-    drop(posed);
     if aligns {
-        align(&mut lobes, pose, settings, &own, monitor, report)?;
+        // An alignment row by row is at home in the map as it lies.
+        let posed = if settings.align.pull().is_none() { posed } else { Posed::new(map, Pose::IDENTITY) };
+        align(&mut lobes, posed, settings, &own, monitor, report)?;
     }
     color::fit_levels(&mut lobes, settings.kappa, monitor, &mut |level, colors| {
         report(FitEvent::Color { level, colors: Arc::clone(colors) });
@@ -278,7 +277,7 @@ impl Posed {
 /// Replaces each texel's own lobes by aligned ones, from the coarsest level down.
 fn align(
     lobes: &mut LobePyramid,
-    pose: Pose,
+    mut posed: Posed,
     settings: &FitSettings,
     own: &[LevelStats],
     monitor: &Monitor,
@@ -288,7 +287,6 @@ fn align(
     let slots = if selects { selection::slots(lobes) } else { settings.lobes };
     let aligned = FitSettings { lobes: slots, selection: Selection::Fixed, ..*settings };
     let top = lobes.levels() - 1;
-    let mut posed = Posed::new(&lobes.map, pose);
     let map = Arc::clone(&posed.lobes.map);
     let looks = if between::refines(&aligned) { Some(Looks::new(&map, monitor)?) } else { None };
     // By level, for the lobes that are kept at last.
@@ -343,7 +341,7 @@ fn align(
             stats.seconds = seconds[level];
             stats.log_likelihood_lost = own.mean_log_likelihood - stats.mean_log_likelihood;
             let mixtures = Arc::new(Arc::unwrap_or_clone(mixtures).trimmed());
-            keep(lobes, level, mixtures.posed(pose.inverse()), stats, Stage::Done, report);
+            keep(lobes, level, mixtures.posed(posed.pose.inverse()), stats, Stage::Done, report);
         }
     }
     Ok(())
