@@ -23,16 +23,18 @@ struct Frame {
     bump: u32,
     bump_scale: f32,
     rise: vec2f,
-    padding: vec2u,
+    lamp_count: u32,
+    padding: u32,
     fold: array<vec4u, 4>,
-    lights: array<Light, 8>,
+    lights: array<Light, 9>,
 }
 
-// Where a light stands, in homogeneous coordinates, and its radiance, at a distance of 1 where it has one.
+// Where a light stands, in homogeneous coordinates, its radiance, at a distance of 1 where it has one, and a factor on
+// what it lights diffusely: 0 for the sun, which stands behind the lamps.
 struct Light {
     position_in_world: vec4f,
     radiance: vec3f,
-    padding: u32,
+    diffuse: f32,
 }
 
 // A pipeline is made for what it is asked for: software adapters run both sides of every branch.
@@ -124,7 +126,9 @@ fn tangents_of(corner: Corner) -> array<vec3f, 2> {
 
 // The material as it reflects this light.
 fn material_towards(incident: Incident) -> Material {
-    return with_factor(incident.unfiltered);
+    var material = with_factor(incident.unfiltered);
+    material.diffuse *= incident.diffuse;
+    return material;
 }
 
 // Fine derivatives, explicitly: the coarse ones may leave out half the quad, and the processor's twin takes these.
@@ -147,12 +151,13 @@ struct Incident {
     local: LocalLight,
     radiance: vec3f,
     unfiltered: vec3f,
+    diffuse: f32,
 }
 
 // The least squared distance that is told apart (lighting/light.rs).
 const LEAST_SQUARED: f32 = 1e-4;
 
-var<private> incident: array<Incident, 8>;
+var<private> incident: array<Incident, 9>;
 
 // Works out what each light, and the sky, gives at the pixel's point.
 fn gather_light(point: Point) {
@@ -176,7 +181,7 @@ fn incident_light(point: Point, index: u32) -> Incident {
     let squared = max(dot(to_light, to_light), LEAST_SQUARED);
     let local = local_light(point, normalize_or_zero(to_light));
     let difference_cosine = dot(local.light_in_tangent, local.half_in_tangent);
-    return Incident(local, light.radiance / squared, unfiltered(difference_cosine));
+    return Incident(local, light.radiance / squared, unfiltered(difference_cosine), light.diffuse);
 }
 
 fn local_light(point: Point, light_in_world: vec3f) -> LocalLight {
@@ -201,11 +206,11 @@ fn seen(color: vec3f) -> vec4u {
     return bitcast<vec4u>(vec4f(color, 1.0));
 }
 
-// What a normal reflects of every light and, by one sample, of the sky.
+// What a normal reflects of every lamp and, by one sample, of the sky with its sun.
 fn reflect_all(normal: vec3f, pixel: vec2u, index: u32) -> vec3f {
     let in_tangent = turned(normal);
     var sum = vec3f(0.0);
-    for (var light = 0u; light < frame.light_count; light++) {
+    for (var light = 0u; light < frame.lamp_count; light++) {
         let local = incident[light].local;
         let material = material_towards(incident[light]);
         let specular = specular_at(material, dot(in_tangent, local.half_in_tangent));
@@ -239,6 +244,16 @@ fn truth(point: Point) -> @location(0) vec4u {
     let mean = bitcast<vec3f>(textureLoad(mean_so_far, vec2i(lookup.pixel), 0).rgb);
     let share = f32(frame.sample_count) / f32(frame.first_sample + frame.sample_count);
     return seen(mean + share * (sum / f32(frame.sample_count) - mean));
+}
+
+// The pixel's view of the map, with the light that a method shades it by.
+fn look_at(point: Point) -> Lookup {
+    let lookup = lookup_of(point);
+    gather_light(point);
+    if SKY {
+        fetch_sky_light();
+    }
+    return lookup;
 }
 
 // The mean colour around a point; white where the map has no colour.

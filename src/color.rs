@@ -2,6 +2,9 @@
 
 use glam::Vec3;
 
+/// Weights of the luminance of linear sRGB (IEC 61966-2-1, ITU-R BT.709).
+pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
 /// sRGB code value of linear `value` (IEC 61966-2-1), both in `0..=1`; the shaders' twin.
 pub fn srgb_from_linear(value: f32) -> f32 {
     let value = value.clamp(0.0, 1.0);

@@ -9,7 +9,7 @@ use crate::brdf::Material;
 use crate::filter::probes::MOST_PROBES;
 use crate::filter::sampling::Grid;
 use crate::filter::{Filter, LevelChoice, LevelRule, LocalLight, LocalSky, Lookup, PixelFootprint, Probes};
-use crate::lighting::{Light, Lights, Sky};
+use crate::lighting::{Incident, Lights, Sky};
 use crate::normal_map::NormalMap;
 use crate::scene::bump::Bumped;
 use crate::scene::{Camera, Model, Shape};
@@ -136,25 +136,28 @@ pub fn shade_point(
     let over_probes = |shade: &dyn Fn(&Lookup) -> Vec3| {
         let (footprint, lod) = (point.footprint, probes.lod);
         let probe = |offset: Vec2| shade(&Lookup { uv: point.uv + offset, footprint, lod, pixel, tangent_from_map });
-        if filter.takes_probes() {
-            probes.offsets().map(probe).sum::<Vec3>() / probes.count as f32
-        } else {
+        if filter.is_truth() {
             probe(Vec2::ZERO)
+        } else {
+            probes.offsets().map(probe).sum::<Vec3>() / probes.count as f32
         }
     };
     // Where normals stay as they are there need be no mean for them to turn with.
     let turns = tangent_from_map != Mat3::IDENTITY;
     let mean = |lookup: &Lookup| if turns { filter.mean_normal(lookup) } else { None };
-    let of_light = |light: &Light| {
-        let incident = light.at(point.position_in_world);
+    let of_light = |incident: Incident, material: &Material| {
         let local = point.local_light(incident.direction_in_world, to_eye);
-        let material = surface.material.towards(local.light_in_tangent.dot(local.half_in_tangent));
+        let material = material.towards(local.light_in_tangent.dot(local.half_in_tangent));
         let towards = |lookup: &Lookup| mean(lookup).map_or(local, |mean| local.as_seen_from(lookup, mean));
         incident.radiance * over_probes(&|lookup| filter.shade(lookup, &towards(lookup), &material))
     };
-    let of_lights: Vec3 = surface.lights.as_slice().iter().map(of_light).sum();
+    let lights = surface.lights.as_slice().iter().map(|light| light.at(point.position_in_world));
+    let of_lights: Vec3 = lights.map(|incident| of_light(incident, &surface.material)).sum();
+    let sunlight = surface.sky.sunlight().filter(|_| !filter.is_truth());
+    let specular = Material { diffuse: 0.0, ..surface.material };
+    let of_sun = sunlight.map_or(Vec3::ZERO, |incident| of_light(incident, &specular));
     let world_from_map = point.world_from_tangent * tangent_from_map;
     let sky = LocalSky::new(&surface.sky, &surface.material, world_from_map, to_eye);
     let of_sky = sky.map_or(Vec3::ZERO, |sky| over_probes(&|lookup| filter.shade_sky(lookup, &sky)));
-    surface.exposure() * (of_lights + of_sky)
+    surface.exposure() * (of_lights + of_sun + of_sky)
 }

@@ -132,11 +132,7 @@ fn shade_aligned(uv: vec2f, lod: f32) -> vec3f {
 
 @fragment
 fn vmf(point: Point) -> @location(0) vec4u {
-    let lookup = lookup_of(point);
-    gather_light(point);
-    if SKY {
-        fetch_sky_light();
-    }
+    let lookup = look_at(point);
     let probes = probes_of(lookup, frame.vmf_lods);
     var sum = vec3f(0.0);
     for (var i = 0u; i < probes.count; i++) {
@@ -189,11 +185,7 @@ fn shade_around(uv: vec2f, level: i32) -> vec3f {
 
 @fragment
 fn vmf_unaligned(point: Point) -> @location(0) vec4u {
-    let lookup = lookup_of(point);
-    gather_light(point);
-    if SKY {
-        fetch_sky_light();
-    }
+    let lookup = look_at(point);
     let probes = probes_of(lookup, frame.vmf_lods);
     let level = floor(probes.lod);
     let share = probes.lod - level;

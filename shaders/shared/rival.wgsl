@@ -49,11 +49,7 @@ fn reflect_around(lookup: Lookup, lod: f32) -> vec3f {
 
 @fragment
 fn rival(point: Point) -> @location(0) vec4u {
-    let lookup = lookup_of(point);
-    gather_light(point);
-    if SKY {
-        fetch_sky_light();
-    }
+    let lookup = look_at(point);
     let probes = probes_of(lookup, method.lods);
     var sum = vec3f(0.0);
     for (var i = 0u; i < probes.count; i++) {

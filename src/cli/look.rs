@@ -96,6 +96,18 @@ pub struct LookArguments {
     /// The last band l* of the sky's specular light, 0 to 12.
     #[arg(long, value_name = "L", value_parser = clap::value_parser!(u8).range(0..=MOST_BANDS as i64))]
     pub sky_bands: Option<u8>,
+    /// How the specular light of the sky's sun is taken, if it has one.
+    #[arg(long, value_enum)]
+    pub sky_sun: Option<SkySun>,
+}
+
+/// The sun of a sky.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum SkySun {
+    /// A far light of its own.
+    Apart,
+    /// In the bands, with the rest of the sky (Han et al. 2007, eq. 26).
+    Bands,
 }
 
 /// The surface by name, or a mesh by its file.
@@ -222,6 +234,7 @@ impl LookArguments {
         sky.rotation_deg = self.sky_rotation.unwrap_or(sky.rotation_deg);
         sky.intensity = self.sky_intensity.unwrap_or(sky.intensity);
         sky.last_band = self.sky_bands.unwrap_or(sky.last_band);
+        sky.is_sun_apart = self.sky_sun.map_or(sky.is_sun_apart, |sun| sun == SkySun::Apart);
         Ok(())
     }
 }

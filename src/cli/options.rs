@@ -20,6 +20,9 @@ pub struct MapArguments {
     /// The green channel's convention.
     #[arg(long = "y", value_enum, value_name = "CONVENTION")]
     pub green: Option<Green>,
+    /// The channel that holds x: red, or alpha as in the DXT5nm layout, where z is taken from x and y.
+    #[arg(long = "x", value_enum, value_name = "CHANNEL")]
+    pub x: Option<XChannel>,
     /// Read the image as heights, scaled by SCALE.
     #[arg(long = "height", value_name = "SCALE")]
     pub height_scale: Option<f32>,
@@ -58,6 +61,15 @@ pub enum Green {
     Down,
     /// Whichever makes the slopes a surface.
     Auto,
+}
+
+/// The channel that holds x.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum XChannel {
+    /// The first.
+    Red,
+    /// The last; y is in green.
+    Alpha,
 }
 
 /// What the third channel holds.
@@ -109,6 +121,7 @@ impl MapArguments {
                 Some(z) => z == ZRange::None,
                 None => self.two_channel || base.two_channel,
             },
+            x_in_alpha: self.x.map_or(base.x_in_alpha, |x| x == XChannel::Alpha),
             z: match self.z {
                 Some(ZRange::Signed) => StoredZ::Signed,
                 Some(ZRange::Unsigned) => StoredZ::Unsigned,

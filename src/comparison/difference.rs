@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use crate::color::{diverging, heat};
+use crate::color::{LUMINANCE, diverging, heat};
 
 /// Which difference is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,7 +40,7 @@ impl DifferenceKind {
     pub fn of(self, left: Vec3, right: Vec3) -> f32 {
         match self {
             Self::Absolute => (right - left).abs().element_sum() / 3.0,
-            Self::Signed => Difference::LUMINANCE.dot(right - left),
+            Self::Signed => LUMINANCE.dot(right - left),
         }
     }
 
@@ -58,8 +58,6 @@ impl Difference {
     pub const DEFAULT_RANGE: f32 = 0.2;
     /// Smallest and largest range that is offered.
     pub const RANGES: [f32; 2] = [0.001, 10.0];
-    /// Weights of the luminance of linear sRGB (IEC 61966-2-1, ITU-R BT.709).
-    pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
     /// The differences at both ends of the scale.
     pub fn ends(self) -> [f32; 2] {

@@ -120,9 +120,10 @@ pub trait Filter: Send + Sync {
         None
     }
 
-    /// Whether a long footprint is read by several probes; the truth alone covers it by its own samples.
-    fn takes_probes(&self) -> bool {
-        true
+    /// Whether it covers the footprint and the sky by samples of its own: it takes no probes, and meets the sun among
+    /// the sky's samples.
+    fn is_truth(&self) -> bool {
+        false
     }
 }
 

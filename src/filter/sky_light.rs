@@ -75,7 +75,7 @@ impl<'a> LocalSky<'a> {
             sky_from_map: sky_from_world * world_from_map,
             to_eye_in_sky,
             diffuse: reflected(&environment.harmonics.diffuse, &diffuse),
-            specular: reflected(&environment.harmonics.specular(to_eye_in_sky), &specular),
+            specular: reflected(&sky.views(environment).towards(to_eye_in_sky), &specular),
         })
     }
 
@@ -202,11 +202,11 @@ mod tests {
     use crate::lighting::environment::{LatLong, reduced};
     use crate::lighting::{ProceduralSky, SkySource};
 
-    /// A bundled sky of 128 columns: few enough for sums over all of it.
+    /// A bundled sky of 128 columns: few enough for sums over all of it. Its sun is in the bands.
     fn sky(made: ProceduralSky) -> Sky {
         let radiance = reduced(made.radiance(), ProceduralSky::WIDTH, ProceduralSky::WIDTH / 128);
         let environment = Environment::new(SkySource::Bundled(made), 128, radiance).expect("a sky");
-        Sky { environment: Some(Arc::new(environment)), ..Sky::default() }
+        Sky { environment: Some(Arc::new(environment)), is_sun_apart: false, ..Sky::default() }
     }
 
     fn to_eye() -> Vec3 {

@@ -7,10 +7,11 @@
 
 use std::sync::Arc;
 
+use super::frame_data::FrameData;
 use super::method_picture::{Key, MethodPicture};
 use super::pass_timer::PassTimer;
 use super::passes::compare::{CompareData, ComparePass, ComparedPictures};
-use super::passes::surface::{FrameData, Reads, SurfacePass};
+use super::passes::surface::{Reads, SurfacePass};
 use super::readback::{self, ReadbackError};
 use super::snapshots::{self, Snapshots};
 use super::surface_pipelines::Variant;
@@ -282,7 +283,7 @@ impl SurfaceFrame {
             surface.material.convolution = ConvolutionRule::default();
             surface.level = LevelChoice::default();
             surface.anisotropy = 1;
-            surface.sky.last_band = Sky::LAST_BAND;
+            (surface.sky.last_band, surface.sky.is_sun_apart) = (Sky::LAST_BAND, true);
         }
         let revisions = match method {
             Method::Truth => [self.textures.map_revision, 0],

@@ -5,6 +5,7 @@
 pub mod context;
 pub mod exact_tables;
 pub mod frame;
+pub mod frame_data;
 pub mod layout;
 pub mod map_group;
 pub mod measured_table;

@@ -6,7 +6,7 @@ use super::layout::{self, bind_group, bind_group_layout, texture, uniform_buffer
 use super::map_group::{create, float_format};
 use crate::brdf::Material;
 use crate::filter::sky_light;
-use crate::lighting::sky_harmonics::{DIFFUSE_BAND, MOST_BANDS, VIEWS};
+use crate::lighting::sky_harmonics::{DIFFUSE_BAND, MOST_BANDS, VIEWS, Views};
 use crate::lighting::{Environment, Sky};
 
 /// Samples to a row of their texture.
@@ -52,7 +52,7 @@ pub struct SkyTextures {
     /// Linear RGB by latitude and longitude; the density of the samples.
     texels: wgpu::Texture,
     bind_group: wgpu::BindGroup,
-    held: Option<Arc<Environment>>,
+    held: Option<(Arc<Environment>, bool)>,
 }
 
 impl SkyTextures {
@@ -97,15 +97,18 @@ impl SkyTextures {
     pub fn prepare(&mut self, queue: &wgpu::Queue, sky: &Sky, material: &Material) -> bool {
         let Some(environment) = &sky.environment else { return false };
         queue.write_buffer(&self.constants, 0, bytemuck::bytes_of(&SkyData::new(sky, material)));
-        let same = self.held.as_ref().is_some_and(|held| Arc::ptr_eq(held, environment));
+        let is_held = |(held, is_sun_apart): &(Arc<Environment>, bool)| {
+            Arc::ptr_eq(held, environment) && *is_sun_apart == sky.is_sun_apart
+        };
+        let same = self.held.as_ref().is_some_and(is_held);
         if !same {
-            self.upload(queue, environment);
-            self.held = Some(Arc::clone(environment));
+            self.upload(queue, environment, sky.views(environment));
+            self.held = Some((Arc::clone(environment), sky.is_sun_apart));
         }
         !same
     }
 
-    fn upload(&mut self, queue: &wgpu::Queue, sky: &Environment) {
+    fn upload(&mut self, queue: &wgpu::Queue, sky: &Environment, specular: &Views) {
         let device = &self.device;
         let texels = sky.radiance.iter().zip(&sky.density).map(|(color, &density)| color.extend(density).to_array());
         let samples = sky.samples.iter().map(|direction| direction.extend(0.0).to_array());
@@ -113,7 +116,7 @@ impl SkyTextures {
         self.texels = made(device, queue, "sky", sky.width, texels);
         let samples = made(device, queue, "sky samples", SAMPLE_COLUMNS, samples);
         let diffuse = made(device, queue, "diffuse sky", sky.harmonics.diffuse.len(), diffuse);
-        let views = views(device, queue, sky);
+        let views = views(device, queue, specular);
         self.bind_group = bind(device, &self.layout, [&self.texels, &samples, &diffuse], &views, &self.constants);
     }
 }
@@ -136,13 +139,13 @@ fn made(
 }
 
 /// The table of views, a harmonic to a layer.
-fn views(device: &wgpu::Device, queue: &wgpu::Queue, sky: &Environment) -> wgpu::Texture {
-    let layers = sky.harmonics.views.len() / (VIEWS * VIEWS);
+fn views(device: &wgpu::Device, queue: &wgpu::Queue, Views(views): &Views) -> wgpu::Texture {
+    let layers = views.len() / (VIEWS * VIEWS);
     let format = float_format(device);
     let texture = create(device, "sky views", (VIEWS, VIEWS, layers), 1, format);
     let texel = |index: usize| {
         let (layer, view) = (index / (VIEWS * VIEWS), index % (VIEWS * VIEWS));
-        sky.harmonics.views[view * layers + layer].extend(0.0).to_array()
+        views[view * layers + layer].extend(0.0).to_array()
     };
     let texels: Vec<[f32; 4]> = (0..layers * VIEWS * VIEWS).map(texel).collect();
     if format == TEXELS {

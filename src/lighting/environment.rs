@@ -12,6 +12,7 @@ use glam::{DVec3, Vec3};
 use super::sky_harmonics::SkyHarmonics;
 use super::sky_samples;
 use super::sky_source::{SkyError, SkySource};
+use super::sun::Sun;
 
 /// The most texels across that are kept of a sky; a wider one is averaged down.
 pub const MOST_COLUMNS: usize = 1024;
@@ -34,6 +35,8 @@ pub struct Environment {
     pub density: Vec<f32>,
     /// Unit vectors drawn with that density, in an order of which every run is spread as evenly.
     pub samples: Vec<Vec3>,
+    /// The sun, if it has one.
+    pub sun: Option<Sun>,
     /// What is shaded with.
     pub harmonics: SkyHarmonics,
 }
@@ -65,8 +68,10 @@ impl Environment {
         let grid = LatLong { width: 2 * height, height };
         let density = sky_samples::density(grid, &radiance);
         let samples = sky_samples::draw(grid, &density);
-        let harmonics = SkyHarmonics::new(grid, &radiance);
-        Ok(Self { source, width: grid.width, height, radiance, density, samples, harmonics })
+        let mut rest = radiance.clone();
+        let sun = Sun::take(grid, &mut rest);
+        let harmonics = SkyHarmonics::new(grid, &rest, sun.as_ref());
+        Ok(Self { source, width: grid.width, height, radiance, density, samples, sun, harmonics })
     }
 
     /// Its texels.

@@ -8,10 +8,12 @@ pub mod sky;
 pub mod sky_harmonics;
 pub mod sky_samples;
 pub mod sky_source;
+pub mod sun;
 
 pub use environment::Environment;
-pub use light::{Light, ParseLightError};
+pub use light::{Incident, Light, ParseLightError};
 pub use lights::{Lights, MAX_LIGHTS};
 pub use procedural_sky::ProceduralSky;
 pub use sky::Sky;
 pub use sky_source::{SkyError, SkySource};
+pub use sun::Sun;

@@ -7,15 +7,13 @@
 use glam::Vec3;
 
 use super::environment::LatLong;
+use crate::color::LUMINANCE;
 
 /// How many are drawn: as many as 128 x 128 texels hold.
 pub const SAMPLES: usize = 16384;
 
 /// `1 / p` and `1 / p^2` for the p with `p^5 = p + 1`; the truth's other numbers take further powers.
 const STEP: [f64; 2] = [0.856_674_883_854_502_9, 0.733_891_856_627_126];
-
-/// Weights of the luminance of linear sRGB (IEC 61966-2-1, ITU-R BT.709).
-const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// Of each texel the density per steradian; they integrate to 1 over the sphere.
 pub fn density(grid: LatLong, radiance: &[Vec3]) -> Vec<f32> {

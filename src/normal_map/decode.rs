@@ -2,7 +2,8 @@
 //!
 //! `n = 2 c / c_max - 1` per channel (`c_max` 255 or 65535), then normalised; so (128, 128, 255) leans 0.32 degrees,
 //! which is the map's own lean. Floats are taken as they are where any colour sample is negative, else as
-//! `n = 2 c - 1`; a warning says which. With two channels `z = sqrt(max(0, 1 - x^2 - y^2))`; where the third holds z
+//! `n = 2 c - 1`; a warning says which. With two channels, or x in alpha,
+//! `z = sqrt(max(0, 1 - x^2 - y^2))`; where the third holds z
 //! from 0 to 1, `z = c`. Where the file is sRGB-encoded, `c` is the linear value.
 //!
 //! A texel is invalid where its colour is exactly black, its decoded length is below 0.1, or a sample is not finite.
@@ -34,6 +35,9 @@ pub enum DecodeError {
     /// All channels are equal, as in a height map.
     #[error("'{name}' is greyscale and holds no normals; if it is a height map, add --height SCALE")]
     Greyscale { name: String },
+    /// It has no alpha for x to be in.
+    #[error("'{name}' has no alpha channel that could hold x")]
+    NoAlpha { name: String },
     /// Every texel is exactly black.
     #[error("'{name}' is black all over and holds no normals")]
     Black { name: String },
@@ -82,7 +86,7 @@ impl NormalMap {
             Some(scale) => from_heights(image, source, options, scale.into()),
             None => from_normals(image, source, options)?,
         };
-        if alpha_varies(&map.stored) {
+        if alpha_varies(&map.stored) && !options.x_in_alpha {
             map.warnings.push(Warning::AlphaVaries);
         }
         if map.invalid == map.len() {
@@ -167,7 +171,10 @@ fn from_normals(image: RasterImage, source: MapSource, options: &MapOptions) -> 
     if (0..image.texels()).all(|texel| is_black(&image, texel)) {
         return Err(DecodeError::Black { name });
     }
-    let asked_for_two = options.two_channel && image.color_channels() > 1;
+    if options.x_in_alpha && !image.has_alpha {
+        return Err(DecodeError::NoAlpha { name });
+    }
+    let asked_for_two = options.x_in_alpha || options.two_channel && image.color_channels() > 1;
     if !asked_for_two && is_greyscale(&image) {
         return Err(DecodeError::Greyscale { name });
     }
@@ -216,6 +223,8 @@ pub struct Decoder {
     srgb: bool,
     /// `None` where z is taken from x and y.
     z: Option<StoredZ>,
+    /// The channels that hold x and y.
+    xy_channels: [usize; 2],
     y_sign: f64,
     slope_scale: f64,
 }
@@ -223,12 +232,13 @@ pub struct Decoder {
 impl Decoder {
     /// The conventions of `image`, read as the options say.
     pub fn new(image: &RasterImage, options: &MapOptions) -> Self {
-        let two_channel = options.two_channel || image.color_channels() == 2;
-        let used = if two_channel { 2 } else { 3 };
+        let planar = options.is_planar() || image.color_channels() == 2;
+        let used = if planar { 2 } else { 3 };
         Self {
             range: range_of(image, used),
             srgb: options.srgb,
-            z: (!two_channel).then_some(options.z),
+            z: (!planar).then_some(options.z),
+            xy_channels: if options.x_in_alpha { in_alpha(image) } else { [0, 1] },
             y_sign: if options.green == GreenChannel::Down { -1.0 } else { 1.0 },
             slope_scale: options.slope_scale.map_or(1.0, f64::from),
         }
@@ -265,7 +275,8 @@ impl Decoder {
     /// The x and y of a texel as they are stored, before the normal is normalised.
     pub fn xy(&self, image: &RasterImage, texel: usize) -> DVec2 {
         let component = |channel: usize| self.component(image.samples.get(texel * image.channels + channel));
-        DVec2::new(component(0), self.y_sign * component(1))
+        let [x, y] = self.xy_channels.map(component);
+        DVec2::new(x, self.y_sign * y)
     }
 
     /// A stored value as a component from -1 to 1.
@@ -283,6 +294,11 @@ impl Decoder {
         let value = if let Range::Integer(full_scale) = self.range { stored / full_scale } else { stored };
         if self.srgb && !self.is_signed() { linear_from_srgb(value as f32).into() } else { value }
     }
+}
+
+/// The channels of x and y where x is in alpha: y is in green, or in the one colour channel there is.
+fn in_alpha(image: &RasterImage) -> [usize; 2] {
+    [image.channels - 1, 1.min(image.color_channels() - 1)]
 }
 
 fn range_of(image: &RasterImage, used: usize) -> Range {

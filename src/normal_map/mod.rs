@@ -67,6 +67,8 @@ pub struct MapOptions {
     pub addressing: Addressing,
     /// Takes z from x and y, whatever the third channel holds.
     pub two_channel: bool,
+    /// Takes x from alpha, y from green and z from both, as textures in the DXT5nm layout hold them.
+    pub x_in_alpha: bool,
     /// What the third channel runs over, where it is read.
     pub z: StoredZ,
     /// The samples are sRGB-encoded.
@@ -86,6 +88,11 @@ pub struct MapOptions {
 impl MapOptions {
     /// The height of the full range of a height map, in texel widths, unless told.
     pub const HEIGHT_SCALE: f32 = 4.0;
+
+    /// True where z is taken from x and y.
+    pub fn is_planar(&self) -> bool {
+        self.two_channel || self.x_in_alpha
+    }
 }
 
 /// Where a map came from.

@@ -70,8 +70,8 @@ impl Filter for ExactCoverage {
         Box::new(move |omega| ndf.effective_brdf(brdf, omega))
     }
 
-    fn takes_probes(&self) -> bool {
-        false
+    fn is_truth(&self) -> bool {
+        true
     }
 
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3 {

@@ -166,6 +166,44 @@ fn what_the_doctor_advises_brings_the_map_back() {
 }
 
 #[test]
+fn x_in_alpha_is_found_and_brings_the_map_back() {
+    type Pack = fn([u8; 3]) -> Vec<u8>;
+    let layouts: [(&str, Pack, &str, Confidence); 3] = [
+        ("red full", |[x, y, _]| vec![255, y, 255, x], "x", Confidence::Likely),
+        ("grey", |[x, y, _]| vec![y, y, y, x], "carries something", Confidence::Certain),
+        ("one colour", |[x, y, _]| vec![y, x], "carries something", Confidence::Certain),
+    ];
+    let map = procedural::find("scales").expect("a bundled map");
+    let (original, plain) = (map.make(SIDE), map.image(SIDE));
+    for (name, pack, expected, confidence) in layouts {
+        let Samples::U8(rgb) = &plain.samples else { panic!("8 bits") };
+        let samples: Vec<u8> = rgb.chunks_exact(3).flat_map(|rgb| pack([rgb[0], rgb[1], rgb[2]])).collect();
+        let channels = samples.len() / (SIDE * SIDE);
+        let image = RasterImage { channels, has_alpha: true, samples: Samples::U8(samples), ..plain.clone() };
+        let diagnosis = Diagnosis::new(&image, &MapOptions::default());
+        assert_eq!(answer(&diagnosis, Subject::Alpha), (expected, confidence), "{name}");
+        assert_ne!(answer(&diagnosis, Subject::Content), ("heights", Confidence::Certain), "{name}: it may be y");
+        if expected == "x" {
+            let others = [ABSENT, UP, TANGENT, UNIT].map(|(subject, right)| answer(&diagnosis, subject).0 == right);
+            assert_eq!(others, [true; 4], "{name}: {:#?}", diagnosis.findings);
+        }
+        let options = MapOptions { x_in_alpha: true, ..MapOptions::default() };
+        let read = NormalMap::from_image(image.clone(), MapSource::Bundled("test"), &options).expect("a normal map");
+        let far = (0..read.len()).filter(|&texel| {
+            let [read, original] = [&read, &original].map(|map| map.normal(texel).expect("a normal"));
+            (read - original).length() > 0.06
+        });
+        assert!(far.count() * 100 < read.len(), "{name}");
+        assert!(!read.warnings.iter().any(|warning| warning.to_string().contains("alpha")), "{name}: it is used");
+        let alpha = Diagnosis::new(&image, &options);
+        assert_eq!(alpha.on(Subject::Alpha).map(|finding| finding.doubtful), Some(false), "{name}");
+    }
+    let options = MapOptions { x_in_alpha: true, ..MapOptions::default() };
+    let refused = NormalMap::from_image(plain, MapSource::Bundled("scales"), &options).expect_err("no alpha");
+    assert_eq!(refused.to_string(), "'scales' has no alpha channel that could hold x");
+}
+
+#[test]
 fn a_row_a_texel_and_a_tiny_map_tell_nothing_by_their_statistics() {
     let statistical = [
         Subject::Content,

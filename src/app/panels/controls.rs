@@ -97,6 +97,12 @@ fn reading(ui: &mut Ui, context: &mut PanelContext<'_>) {
                 options.height_scale = is_height.then_some(p::HEIGHT_SCALE.default as f32);
             }
         });
+        if map.stored.has_alpha {
+            let uses = [(false, "not used"), (true, "x (DXT5nm)")];
+            if let Some(x_in_alpha) = choice(ui, "Alpha", p::X_IN_ALPHA, options.x_in_alpha, &uses) {
+                options.x_in_alpha = x_in_alpha;
+            }
+        }
         if let Some(scale) = &mut options.height_scale {
             p::HEIGHT_SCALE.show_f32(ui, scale);
             let kernels = [(SlopeKernel::Central, "central differences"), (SlopeKernel::Sobel, "Sobel")];

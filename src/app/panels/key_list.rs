@@ -3,24 +3,38 @@
 use egui::{Context, Grid, Id, Label, Modal, RichText, ScrollArea, Ui};
 
 use super::{PanelContext, heading};
-use crate::app::actions::{self, Action, Menu};
+use crate::app::actions::{self, Action};
 use crate::app::theme;
 use crate::app::view_state::Overlay;
 
 /// What the pointer does, and keys that are held.
-const GESTURES: [(&str, &str); 8] = [
-    ("Drag on the surface", "orbit"),
-    ("L + drag, or right drag", "move the light"),
-    ("Wheel", "dolly, or zoom the map"),
-    ("Hold the space bar", "see the right method alone"),
-    ("Shift + drag on the surface", "choose the figures' region; Esc clears it"),
-    ("Click on surface, map or level", "select the texel"),
-    ("Drag on the sphere", "turn it"),
-    ("Double click a control", "reset it"),
+const GESTURES: [(&str, &str); 9] = [
+    ("orbit", "Drag the surface"),
+    ("move the light", "L + drag, right drag"),
+    ("dolly, or zoom the map", "Wheel"),
+    ("right method alone", "Hold space"),
+    ("region of the figures", "Shift + drag"),
+    ("the whole again", "Esc"),
+    ("select the texel", "Click"),
+    ("turn the sphere", "Drag it"),
+    ("reset a control", "Double click"),
 ];
 
-/// Rows of a column, headings included.
-const ROWS: usize = 29;
+/// The least width of a column.
+const COLUMN: f32 = 232.0;
+
+/// A heading with what stands under it: an effect and its keys.
+struct Section {
+    title: &'static str,
+    rows: Vec<(String, String)>,
+}
+
+impl Section {
+    /// In rows, with the heading and the gap below.
+    fn height(&self) -> usize {
+        self.rows.len() + 2
+    }
+}
 
 /// Shows the list until it is dismissed.
 pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
@@ -36,7 +50,7 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
             .inner
         })
         .inner
-            | ScrollArea::both().auto_shrink(false).show(ui, columns).inner
+            | ScrollArea::vertical().auto_shrink(false).show(ui, columns).inner
     });
     if modal.inner || modal.should_close() {
         context.view.overlay = Overlay::None;
@@ -44,65 +58,63 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
 }
 
 fn columns(ui: &mut Ui) -> bool {
-    ui.horizontal_top(|ui| {
-        ui.spacing_mut().item_spacing.x = 18.0;
-        ui.vertical(|ui| {
-            gestures(ui);
-            section(ui, Menu::File, None);
-            section(ui, Menu::Edit, None);
-        });
-        ui.vertical(|ui| {
-            section(ui, Menu::View, None);
-            section(ui, Menu::Help, None);
-        });
-        for column in submenu_columns() {
-            ui.vertical(|ui| column.iter().for_each(|&(menu, name)| section(ui, menu, Some(name))));
+    let count = ((ui.available_width() / COLUMN) as usize).max(1);
+    let sections = sections(ui);
+    let columns = spread(&sections, count);
+    ui.columns(count, |columns_of_ui| {
+        for (ui, column) in columns_of_ui.iter_mut().zip(&columns) {
+            column.iter().for_each(|section| show_section(ui, section));
         }
     });
     false
 }
 
-/// The menus within menus by columns of so many rows.
-fn submenu_columns() -> Vec<Vec<(Menu, &'static str)>> {
-    let mut columns: Vec<(usize, Vec<(Menu, &'static str)>)> = vec![(0, Vec::new())];
-    for (menu, name) in submenus() {
-        let rows = 2 + actions::all().iter().filter(|action| action.submenu == Some(name)).count();
+/// Gestures first, then every menu and every menu within one, in order.
+fn sections(ui: &Ui) -> Vec<Section> {
+    let keys = |action: &Action| {
+        let keys = action.keys.iter().map(|key| actions::key_words(ui.ctx(), key));
+        (action.label.clone(), keys.collect::<Vec<_>>().join(", "))
+    };
+    let gestures = GESTURES.map(|(effect, gesture)| (effect.to_owned(), gesture.to_owned()));
+    let mut sections = vec![Section { title: "Gestures", rows: gestures.into() }];
+    let mut titles: Vec<_> = actions::all().iter().map(|action| (action.menu, action.submenu)).collect();
+    titles.sort_by_key(|(_, submenu)| submenu.is_some());
+    titles.dedup();
+    for (menu, submenu) in titles {
+        let inside = actions::all().iter().filter(|action| (action.menu, action.submenu) == (menu, submenu));
+        sections.push(Section { title: submenu.unwrap_or(menu.label()), rows: inside.map(keys).collect() });
+    }
+    sections
+}
+
+/// The sections in so many columns, in order and as low as they can be.
+fn spread(sections: &[Section], count: usize) -> Vec<Vec<&Section>> {
+    let whole: usize = sections.iter().map(Section::height).sum();
+    let columns = (whole.div_ceil(count)..=whole).map(|limit| fill(sections, limit));
+    columns.into_iter().find(|columns| columns.len() <= count).unwrap_or_default()
+}
+
+/// The sections in columns of so many rows, and higher ones where a section is.
+fn fill(sections: &[Section], limit: usize) -> Vec<Vec<&Section>> {
+    let mut columns: Vec<Vec<&Section>> = Vec::new();
+    let mut filled = limit;
+    for section in sections {
+        filled += section.height();
         match columns.last_mut() {
-            Some((filled, column)) if *filled + rows <= ROWS => {
-                *filled += rows;
-                column.push((menu, name));
+            Some(column) if filled <= limit => column.push(section),
+            _ => {
+                filled = section.height();
+                columns.push(vec![section]);
             }
-            _ => columns.push((rows, vec![(menu, name)])),
         }
     }
-    columns.into_iter().map(|(_, column)| column).collect()
+    columns
 }
 
-/// Every menu within a menu, in order.
-fn submenus() -> Vec<(Menu, &'static str)> {
-    let mut found: Vec<_> = actions::all().iter().filter_map(|action| Some((action.menu, action.submenu?))).collect();
-    found.dedup();
-    found
-}
-
-fn gestures(ui: &mut Ui) {
-    heading(ui, "Gestures");
-    grid(ui, "gestures", GESTURES.into_iter().map(|(gesture, effect)| (effect.to_owned(), gesture.to_owned())));
-}
-
-fn section(ui: &mut Ui, menu: Menu, submenu: Option<&'static str>) {
-    let name = submenu.unwrap_or(menu.label());
-    heading(ui, name);
-    let inside = |action: &&Action| action.menu == menu && action.submenu == submenu;
-    let ctx = ui.ctx().clone();
-    let keys =
-        |action: &Action| action.keys.iter().map(|key| actions::key_words(&ctx, key)).collect::<Vec<_>>().join(", ");
-    grid(ui, name, actions::all().iter().filter(inside).map(|action| (action.label.clone(), keys(action))));
-}
-
-fn grid(ui: &mut Ui, name: &str, rows: impl Iterator<Item = (String, String)>) {
-    Grid::new(("keys", name)).num_columns(2).spacing([16.0, 2.0]).show(ui, |ui| {
-        for (effect, keys) in rows {
+fn show_section(ui: &mut Ui, section: &Section) {
+    heading(ui, section.title);
+    Grid::new(("keys", section.title)).num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
+        for (effect, keys) in &section.rows {
             ui.add(Label::new(RichText::new(effect).color(theme::of(ui).text)).extend());
             ui.add(Label::new(RichText::new(keys).color(theme::of(ui).accent)).extend());
             ui.end_row();

@@ -1,9 +1,10 @@
 //! What a fourth channel holds.
 
-use super::{Confidence, Finding, Subject};
+use super::{Advice, Confidence, Finding, Subject};
 use crate::image_io::RasterImage;
+use crate::normal_map::MapOptions;
 
-pub(super) fn finding(image: &RasterImage) -> Finding {
+pub(super) fn finding(image: &RasterImage, options: &MapOptions) -> Finding {
     let found = |answer: &str, reason: String| Finding::new(Subject::Alpha, answer, Confidence::Certain, reason);
     if !image.has_alpha {
         return found("none", "the file has no alpha channel".to_owned());
@@ -13,13 +14,16 @@ pub(super) fn finding(image: &RasterImage) -> Finding {
     if low == high {
         return found("constant", format!("alpha is {low:.2} everywhere"));
     }
-    let reason = format!("alpha runs from {low:.2} to {high:.2}, and is not used");
+    let runs = format!("alpha runs from {low:.2} to {high:.2}");
     let [red_low, red_high] = range(image, 0);
     if image.channels == 4 && red_low == red_high {
-        let reason = format!("{reason}; red is constant, so alpha may hold x: move it to red");
-        return Finding::new(Subject::Alpha, "x", Confidence::Likely, reason).doubted(true);
+        let reason = format!("{runs} and red is constant");
+        return Finding::new(Subject::Alpha, "x", Confidence::Likely, reason).advising(Advice::XInAlpha(true));
     }
-    found("carries something", reason)
+    if options.x_in_alpha {
+        return found("x", format!("{runs}, and is read as x"));
+    }
+    found("carries something", format!("{runs}, and is not used"))
 }
 
 fn range(image: &RasterImage, channel: usize) -> [f64; 2] {

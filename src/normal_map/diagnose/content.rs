@@ -1,7 +1,8 @@
-//! Normals or heights: heights are grey, and a normal map is blue nearly everywhere.
+//! Normals or heights: heights are grey, and a normal map is blue nearly everywhere. Grey beside an alpha that varies may
+//! be the y of a map whose x is in alpha.
 
 use super::sample::Sample;
-use super::warning::percent;
+use super::warning::{alpha_varies, percent};
 use super::{Advice, Confidence, Finding, Subject};
 use crate::normal_map::MapOptions;
 
@@ -17,10 +18,11 @@ const HARDLY: f64 = 0.5;
 pub(super) fn finding(sample: &Sample<'_>) -> Finding {
     let heights = Advice::Heights(Some(MapOptions::HEIGHT_SCALE));
     let found = |answer, confidence, reason| Finding::new(Subject::Content, answer, confidence, reason);
+    let sure = if alpha_varies(sample.image) { Confidence::Likely } else { Confidence::Certain };
     match sample.image.color_channels() {
         1 => {
             let reason = "one colour channel holds no direction".to_owned();
-            return found("heights", Confidence::Certain, reason).advising(heights);
+            return found("heights", sure, reason).advising(heights);
         }
         2 => {
             let reason = "two colour channels hold x and y".to_owned();
@@ -34,7 +36,7 @@ pub(super) fn finding(sample: &Sample<'_>) -> Finding {
     let grey = grey_share(sample);
     let reason = format!("{} of the texels are grey", percent(grey));
     match grey {
-        1.0 => found("heights", Confidence::Certain, reason).advising(heights),
+        1.0 => found("heights", sure, reason).advising(heights),
         MOSTLY.. => found("heights", Confidence::Likely, reason).advising(heights),
         HARDLY.. => found("normals", Confidence::Likely, reason).advising(Advice::Heights(None)),
         _ => found("normals", Confidence::Certain, reason).advising(Advice::Heights(None)),

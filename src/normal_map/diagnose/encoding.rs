@@ -46,7 +46,7 @@ pub(super) fn finding(sample: &Sample<'_>, options: &MapOptions) -> Finding {
 /// How far lengths are from 1, z being stored as suits them best; `None` where the third channel says nothing.
 fn misfit(sample: &Sample<'_>, options: &MapOptions, srgb: bool) -> Option<f64> {
     let misfit = |z| sample.misfit(&MapOptions { srgb, z, two_channel: false, ..options.clone() });
-    let says_something = sample.image.color_channels() > 2 && !sample.is_constant(2);
+    let says_something = sample.image.color_channels() > 2 && !options.x_in_alpha && !sample.is_constant(2);
     says_something.then(|| misfit(StoredZ::Signed).min(misfit(StoredZ::Unsigned)))
 }
 

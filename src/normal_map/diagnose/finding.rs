@@ -53,6 +53,8 @@ pub enum Advice {
     Z(StoredZ),
     /// The third channel holds no z.
     TwoChannel,
+    /// Whether x is in alpha.
+    XInAlpha(bool),
     /// Whether the samples are sRGB-encoded.
     Srgb(bool),
     /// Whether the normals are the object's.
@@ -132,6 +134,7 @@ impl Advice {
             Self::Green(green) => changed.green = green,
             Self::Z(z) => (changed.z, changed.two_channel) = (z, false),
             Self::TwoChannel => changed.two_channel = true,
+            Self::XInAlpha(x_in_alpha) => changed.x_in_alpha = x_in_alpha,
             Self::Srgb(srgb) => changed.srgb = srgb,
             Self::ObjectSpace(object_space) => changed.object_space = object_space,
             Self::Heights(scale) => changed.height_scale = scale,
@@ -156,6 +159,7 @@ impl Advice {
             Self::Green(_) => Self::Green(GreenChannel::Down),
             Self::Z(_) => Self::TwoChannel,
             Self::TwoChannel => Self::Z(StoredZ::Signed),
+            Self::XInAlpha(x_in_alpha) => Self::XInAlpha(!x_in_alpha),
             Self::Srgb(srgb) => Self::Srgb(!srgb),
             Self::ObjectSpace(object_space) => Self::ObjectSpace(!object_space),
             Self::Heights(Some(_)) => Self::Heights(None),
@@ -174,6 +178,8 @@ impl Advice {
             Self::Z(StoredZ::Signed) => "--z signed".to_owned(),
             Self::Z(StoredZ::Unsigned) => "--z 01".to_owned(),
             Self::TwoChannel => "--z none".to_owned(),
+            Self::XInAlpha(true) => "--x alpha".to_owned(),
+            Self::XInAlpha(false) => "--x red".to_owned(),
             Self::Srgb(true) => "--encoding srgb".to_owned(),
             Self::Srgb(false) => "--encoding linear".to_owned(),
             Self::ObjectSpace(true) => "--space object".to_owned(),
@@ -227,6 +233,8 @@ mod tests {
             Advice::Z(StoredZ::Signed),
             Advice::Z(StoredZ::Unsigned),
             Advice::TwoChannel,
+            Advice::XInAlpha(true),
+            Advice::XInAlpha(false),
             Advice::Srgb(true),
             Advice::Srgb(false),
             Advice::ObjectSpace(true),

@@ -77,7 +77,7 @@ pub(super) fn findings(image: &RasterImage, options: &MapOptions) -> (LengthHist
 
 fn length_finding(lengths: &LengthHistogram, options: &MapOptions) -> Finding {
     let subject = Subject::Lengths;
-    if options.two_channel {
+    if options.is_planar() {
         return Finding::new(subject, "unit", Confidence::Certain, "z is taken from x and y".to_owned());
     }
     let off = lengths.off_unit();

@@ -2,7 +2,7 @@
 //!
 //! It looks at the image and not at the map, so that it can speak of files that are refused too, and it decodes by the
 //! program's own decoder under every reading that it weighs. Questions are settled in an order: what the samples are,
-//! how they are encoded, what z is, which space they are in; only then do slopes mean anything. A finding is doubtful
+//! whether x is in alpha, how they are encoded, what z is, which space they are in; only then do slopes mean anything. A finding is doubtful
 //! where the map is read against it. A map of fewer than [`FEWEST_TEXELS`] texels tells nothing by its statistics.
 //!
 //! | file | what it answers |
@@ -14,7 +14,7 @@
 //! | `green` | +Y up or down |
 //! | `lengths` | how long the normals are stored, and how many texels have none |
 //! | `depth` | how finely directions are stored, and the kappa that this limits |
-//! | `alpha` | what a fourth channel holds |
+//! | `alpha` | what a fourth channel holds: nothing, x, something else |
 //! | `tiling` | whether opposite edges meet |
 //!
 //! `warning` holds what decoding itself counts; `sample` the texels that are looked at.
@@ -60,12 +60,14 @@ impl Diagnosis {
         let sample = Sample::new(image);
         let content = content::finding(&sample);
         let is_heights = matches!(content.advice, Some(Advice::Heights(Some(_))));
+        let alpha = alpha::finding(image, options);
         let mut findings = vec![content];
         let mut lengths = LengthHistogram::default();
         if !is_heights {
-            lengths = examine_normals(&sample, options, &mut findings);
+            let reading = alpha.advice.map_or_else(|| options.clone(), |advice| advice.apply(options));
+            lengths = examine_normals(&sample, &reading, &mut findings);
         }
-        findings.extend([depth::finding(image, is_heights), alpha::finding(image), tiling::finding(image)]);
+        findings.extend([depth::finding(image, is_heights), alpha, tiling::finding(image)]);
         let findings = findings.into_iter().map(|finding| finding.against(options)).collect();
         Self { findings, lengths }
     }

@@ -31,7 +31,7 @@ const SIDEWAYS: f64 = 45.0;
 
 pub(super) fn finding(sample: &Sample<'_>, options: &MapOptions) -> Finding {
     let subject = Subject::Space;
-    if options.two_channel || sample.image.color_channels() == 2 {
+    if options.is_planar() || sample.image.color_channels() == 2 {
         let reason = "x and y alone give normals of the upper hemisphere".to_owned();
         return Finding::new(subject, "tangent", Confidence::Certain, reason).advising(Advice::ObjectSpace(false));
     }

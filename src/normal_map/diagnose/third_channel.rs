@@ -40,6 +40,10 @@ pub(super) fn finding(sample: &Sample<'_>, options: &MapOptions) -> Finding {
         let reason = "the file has no third colour channel".to_owned();
         return Finding::new(Subject::Z, "absent", Confidence::Certain, reason);
     }
+    if options.x_in_alpha {
+        let reason = "x is in alpha and y in green".to_owned();
+        return Finding::new(Subject::Z, "absent", Confidence::Certain, reason);
+    }
     if let Some(reason) = sample.too_small() {
         return Finding::unknown(Subject::Z, reason);
     }

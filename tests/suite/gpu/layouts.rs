@@ -3,10 +3,11 @@
 use std::mem::offset_of;
 
 use ndf_inspector::filter::rival::RIVALS;
+use ndf_inspector::gpu::frame_data::{FrameData, LightData};
 use ndf_inspector::gpu::passes::compare::{self, CompareData};
 use ndf_inspector::gpu::passes::environment::{self, EnvironmentData};
 use ndf_inspector::gpu::passes::sphere::{self, gpu_data};
-use ndf_inspector::gpu::passes::surface::{self, FrameData, LightData};
+use ndf_inspector::gpu::passes::surface;
 use ndf_inspector::gpu::reflectance::{MaterialData, ReflectanceData};
 use ndf_inspector::gpu::rival_textures::RivalData;
 use ndf_inspector::gpu::sky_textures::SkyData;
@@ -59,12 +60,13 @@ fn the_surface_shader_is_valid_and_lays_out_the_frame_as_rust_does() {
         bump,
         bump_scale,
         rise,
+        lamp_count,
         padding,
         fold,
         lights,
     });
     assert_eq!(layout(&module, "Frame"), rust);
-    assert_eq!(layout(&module, "Light"), rust_layout!(LightData { position_in_world, radiance, padding }));
+    assert_eq!(layout(&module, "Light"), rust_layout!(LightData { position_in_world, radiance, diffuse }));
     let sky = rust_layout!(SkyData { turn, intensity, last_band, specular_bands, diffuse_bands });
     assert_eq!(layout(&module, "Sky"), sky);
     let rust = rust_layout!(ReflectanceData { material, lobes, multipliers });

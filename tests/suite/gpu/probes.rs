@@ -68,7 +68,7 @@ impl Filter for Truncated {
         Box::new(|_| f64::NAN)
     }
 
-    fn takes_probes(&self) -> bool {
+    fn is_truth(&self) -> bool {
         false
     }
 

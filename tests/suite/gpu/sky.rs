@@ -8,7 +8,7 @@ use ndf_inspector::filter::{LevelChoice, Method, Rival, Truth};
 use ndf_inspector::gpu::SurfaceFrame;
 use ndf_inspector::gpu::{FrameBudget, PICTURE_FORMAT};
 use ndf_inspector::lighting::environment::LatLong;
-use ndf_inspector::lighting::{Environment, Lights, ProceduralSky, Sky, SkySource};
+use ndf_inspector::lighting::{Environment, Light, Lights, ProceduralSky, Sky, SkySource};
 use ndf_inspector::normal_map::Addressing;
 use ndf_inspector::reference::{self, ExactCoverage, normalised_color_error};
 use ndf_inspector::scene::{Shape, ShapeKind};
@@ -64,6 +64,51 @@ fn sky_and_lights_together_have_a_twin() {
     for method in [Method::MIP, Method::Vmf] {
         assert_twins(&scene, method, &format!("{method} under sky and light"));
     }
+}
+
+/// A bundled sky that lights and is not seen.
+fn bundled(made: ProceduralSky) -> Sky {
+    let environment = Some(Arc::new(SkySource::Bundled(made).load().expect("a sky")));
+    Sky { environment, is_seen: false, ..Sky::default() }
+}
+
+#[test]
+fn the_sun_has_a_twin_by_every_method_beside_eight_lights_too() {
+    let mut scene = scene(maps::rough(64, 64, Addressing::Wrap), bundled(ProceduralSky::Clear));
+    (scene.size, scene.surface.shape) = ([64, 48], Shape::of_kind(ShapeKind::Torus));
+    scene.surface.sky.rotation_deg = 70.0;
+    for method in methods() {
+        assert_twins(&scene, method, &format!("{method} under a sun"));
+    }
+    let light = |index: u8| Light { azimuth_deg: 40.0 * f32::from(index), intensity: 0.2, ..Light::DEFAULT };
+    let eight: Vec<Light> = (0..8).map(light).collect();
+    scene.surface.lights = eight.as_slice().try_into().expect("eight at most");
+    for method in [Method::Vmf, Method::Truth] {
+        assert_twins(&scene, method, &format!("{method} under a sun and eight lights"));
+    }
+}
+
+#[test]
+fn a_sun_that_is_a_light_is_much_nearer_the_truth_than_one_in_the_bands_and_lights_diffusely_alike() {
+    // Smooth, so that the truth's samples scatter little.
+    let waves = maps::map(64, 64, Addressing::Wrap, |x, y| {
+        Vec3::new(0.3 * (x as f32 * 0.4).sin(), 0.2 * (y as f32 * 0.6).cos(), 1.0)
+    });
+    let mut scene = scene(waves, bundled(ProceduralSky::Clear));
+    (scene.size, scene.surface.shape) = ([96, 72], Shape::of_kind(ShapeKind::Sphere));
+    scene.surface.camera.distance = 4.0;
+    scene.lobes = fitted(scene.map(), &settings(6, Alignment::default()));
+    let mut pictures = |specular: f32, is_sun_apart: bool| {
+        (scene.surface.material.specular, scene.surface.material.diffuse) = (specular, 1.0 - specular);
+        scene.surface.sky.is_sun_apart = is_sun_apart;
+        [Method::Vmf, Method::Truth].map(|method| on_adapter(&scene, method))
+    };
+    let error = |[lobes, truth]: &[reference::Picture; 2]| reference::rmse(lobes, truth).expect("seen");
+    let [apart, bands] = [true, false].map(|is_sun_apart| error(&pictures(1.0, is_sun_apart)));
+    println!("specularly off by {apart:.4} apart, by {bands:.4} in the bands");
+    assert!(apart < 0.3 * bands, "{apart} and {bands}");
+    let [apart, bands] = [true, false].map(|is_sun_apart| pictures(0.0, is_sun_apart)[0].clone());
+    assert_alike(&apart, &bands, "diffusely");
 }
 
 /// A rough map without an invalid texel.
@@ -130,8 +175,7 @@ fn lobes_under_a_sky_are_nearer_the_truth_than_plain_mip() {
     scene.surface.shape.tiling = [8.0, 8.0];
     scene.lobes = fitted(scene.map(), &settings(6, Alignment::default()));
     for made in ProceduralSky::ALL {
-        let environment = Some(Arc::new(SkySource::Bundled(made).load().expect("a sky")));
-        scene.surface.sky = Sky { environment, is_seen: false, ..Sky::default() };
+        scene.surface.sky = bundled(made);
         let truth = on_adapter(&scene, Method::Truth);
         let error = |method| normalised_color_error(&on_adapter(&scene, method), &truth).expect("seen");
         let (lobes, mip) = (error(Method::Vmf), error(Method::MIP));

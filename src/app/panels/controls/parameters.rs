@@ -25,6 +25,8 @@ const PLAIN: Parameter =
 
 pub(super) const GREEN: &str = "Which way the green channel points: up the image (OpenGL) or down (DirectX).";
 pub(super) const TWO_CHANNEL: &str = "Takes z from x and y, whatever the third channel holds.";
+pub(super) const X_IN_ALPHA: &str =
+    "What alpha holds: nothing that is read, or x, with y in green and z taken from both.";
 pub(super) const HEIGHTS: &str = "Reads the image as heights and takes the normals from their slope.";
 pub(super) const SHAPE: &str = "What wears the map. A mesh is read from an OBJ, glTF or GLB file.";
 pub(super) const MESH: &str = "Opens an OBJ, glTF or GLB file as the surface. A normal texture that it brings becomes \
@@ -269,6 +271,8 @@ pub(super) const SKY_BANDS: Parameter = Parameter {
               sqrt(4 s). The truth has them all.",
     ..PLAIN
 };
+pub(super) const SKY_SUN: &str = "The specular light of the sky's sun is that of a far light, for its bands ring; off, it \
+                                  goes through the bands with the rest, as in the paper.";
 pub(super) const TILING_U: Parameter = Parameter {
     name: "Tiling u",
     range: [0.25, 64.0],

@@ -34,12 +34,16 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, sky: &mut Sky) {
     if context.session.is_opening_sky() {
         ui.label(RichText::new("Reading a sky").small().color(theme::of(ui).accent));
     }
-    if sky.environment.is_some() {
+    if let Some(environment) = &sky.environment {
+        let has_sun = environment.sun.is_some();
         p::SKY_ROTATION.show_f32(ui, &mut sky.rotation_deg);
         p::SKY_INTENSITY.show_f32(ui, &mut sky.intensity);
         let mut band = sky.last_band();
         if p::SKY_BANDS.show_count(ui, &mut band) {
             sky.last_band = band as u8;
+        }
+        if has_sun {
+            toggle(ui, &mut sky.is_sun_apart, Sky::default().is_sun_apart, "Sun apart", p::SKY_SUN);
         }
     }
 }
