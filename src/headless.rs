@@ -123,6 +123,8 @@ impl<'a> Headless<'a> {
                 window.pass(Vec::new())?;
                 let settled = !window.wait || window.is_settled();
                 if window.canvas.passes >= LEAST_PASSES && settled {
+                    window.canvas.forget_glyphs();
+                    window.pass(Vec::new())?;
                     return window.canvas.picture();
                 }
                 window.let_jobs_run();
@@ -186,6 +188,13 @@ impl<'a> Canvas<'a> {
             time_step: TIME_STEP,
             tree: None,
         }
+    }
+
+    /// Has the next pass begin the atlas of glyphs anew: it then holds what that pass shows, in its order. Where a glyph
+    /// stands in it moves a pixel of text by a rounding, and what was shown on the way, the progress of a fit for one,
+    /// differs from run to run.
+    pub fn forget_glyphs(&self) {
+        self.ctx.set_font_providers(Vec::new());
     }
 
     /// Lays out what `show` shows, with these events, and draws it.
