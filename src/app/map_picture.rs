@@ -8,7 +8,7 @@ use super::texel_values::TexelValues;
 use super::view_state::MapView;
 use crate::normal_map::pyramid::Texel;
 
-/// The largest zoom, in points per base texel.
+/// The largest zoom, in points per texel of the finest level that is shown.
 const MAX_POINTS_PER_TEXEL: f32 = 256.0;
 
 /// The geometry of a map view: which point of the map lies under which point of the window.
@@ -45,7 +45,12 @@ impl MapProjection {
 
     /// The whole map's place, cut off at the view.
     pub fn visible(&self) -> Rect {
-        Rect::from_min_max(self.place(Vec2::ZERO), self.place(Vec2::splat(1.0))).intersect(self.view)
+        self.whole().intersect(self.view)
+    }
+
+    /// The whole map's place, in sight or not.
+    pub fn whole(&self) -> Rect {
+        Rect::from_min_max(self.place(Vec2::ZERO), self.place(Vec2::splat(1.0)))
     }
 
     /// The place of a texel of a level of `size`.
@@ -62,9 +67,15 @@ impl MapProjection {
         inside.then_some(Texel { level, x: (uv.x * size.0 as f32) as usize, y: (uv.y * size.1 as f32) as usize })
     }
 
-    /// Zooms by `factor` around `position` and returns the view that shows it.
-    pub fn zoomed(&self, map_view: MapView, factor: f32, position: Pos2, size: Vec2) -> MapView {
-        let most = MAX_POINTS_PER_TEXEL * size.x / (self.extent.x / map_view.zoom);
+    /// Points that a texel takes where so many lie across the whole map.
+    pub fn points_per_texel(&self, across: f32) -> f32 {
+        self.extent.x / across
+    }
+
+    /// Zooms by `factor` around `position` and returns the view that shows it; `across` is how many of the finest texels
+    /// lie across the whole map.
+    pub fn zoomed(&self, map_view: MapView, factor: f32, position: Pos2, across: f32) -> MapView {
+        let most = MAX_POINTS_PER_TEXEL / (self.points_per_texel(across) / map_view.zoom);
         let zoom = (map_view.zoom * factor).clamp(0.5, most.max(1.0));
         let held = self.uv(position);
         let center = held - (position - self.view.center()) / (self.extent * zoom / map_view.zoom);
@@ -203,7 +214,7 @@ mod tests {
         let map_view = MapView::default();
         let position = pos2(150.0, 90.0);
         let before = projection(&map_view).uv(position);
-        let zoomed = projection(&map_view).zoomed(map_view, 2.5, position, vec2(64.0, 32.0));
+        let zoomed = projection(&map_view).zoomed(map_view, 2.5, position, 64.0);
         assert!((projection(&zoomed).uv(position) - before).length() < 1e-5);
     }
     #[test]

@@ -130,10 +130,10 @@ pub struct PaletteView {
     pub chosen: usize,
 }
 
-/// The region of the picture whose figures are shown.
+/// A region of pictures: of the surface, whose figures are shown, or of the map, whose numbers are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RegionView {
-    /// The region, of every method's picture; the whole picture where there is none.
+    /// The region, of every picture; the whole where there is none.
     pub chosen: Option<Region>,
     /// The cell in which it is being drawn, and the corner where that began.
     pub drawn_from: Option<(egui::Rect, [f32; 2])>,
@@ -189,6 +189,9 @@ pub struct ViewState {
     /// The region whose figures are shown.
     #[serde(skip)]
     pub region: RegionView,
+    /// The region of the map that the histogram counts.
+    #[serde(skip)]
+    pub map_region: RegionView,
     /// Whether the camera runs away and back.
     #[serde(skip)]
     pub dolly: Dolly,

@@ -10,15 +10,18 @@ use crate::app::view_state::Overlay;
 /// What the pointer does, and keys that are held.
 const GESTURES: [(&str, &str); 9] = [
     ("orbit", "Drag the surface"),
-    ("move the light", "L + drag, right drag"),
+    ("move the light", "L + drag"),
     ("dolly, or zoom the map", "Wheel"),
     ("right method alone", "Hold space"),
-    ("region of the figures", "Shift + drag"),
+    ("region of a picture", "Shift + drag"),
     ("the whole again", "Esc"),
     ("select the texel", "Click"),
     ("turn the sphere", "Drag it"),
     ("reset a control", "Double click"),
 ];
+
+/// The height of a row: as high as its text, so that all rows fit a window of 1280 x 800.
+const ROW: f32 = 16.0;
 
 /// The least width of a column.
 const COLUMN: f32 = 232.0;
@@ -113,7 +116,7 @@ fn fill(sections: &[Section], limit: usize) -> Vec<Vec<&Section>> {
 
 fn show_section(ui: &mut Ui, section: &Section) {
     heading(ui, section.title);
-    Grid::new(("keys", section.title)).num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
+    Grid::new(("keys", section.title)).num_columns(2).min_row_height(ROW).spacing([12.0, 1.0]).show(ui, |ui| {
         for (effect, keys) in &section.rows {
             ui.add(Label::new(RichText::new(effect).color(theme::of(ui).text)).extend());
             ui.add(Label::new(RichText::new(keys).color(theme::of(ui).accent)).extend());

@@ -3,12 +3,12 @@
 use egui::{Align2, FontId, Frame, Margin, Panel, Rect, Response, Sense, Stroke, StrokeKind, Ui, UiBuilder};
 use egui::{Color32, Painter, Vec2, pos2, vec2};
 
-use super::PanelContext;
+use super::{PanelContext, region};
 use crate::app::level_places::{LevelPlaces, MapLevels};
 use crate::app::map_picture::MapProjection;
 use crate::app::parameter::explained_combo;
 use crate::app::texel_values::TexelValues;
-use crate::app::view_state::{Layout, MapView};
+use crate::app::view_state::{Layout, MapView, Overlay};
 use crate::app::{Command, theme};
 use crate::normal_map::pyramid::Texel;
 use crate::session::Session;
@@ -67,31 +67,59 @@ fn number(value: f64) -> String {
 
 /// The selected level, or all of them, zoomed and panned.
 pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
-    beside(ui, context);
+    let counts = beside(ui, context);
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     let response = response.accessible_name("Map view");
-    let level = context.session.selected().level;
+    let selected = context.session.selected().level;
     let view = rect.shrink(12.0);
-    let places = LevelPlaces::new(context.view.map.levels, context.session.map(), level);
-    navigate(ui, context, &response, view, places.size);
+    let places = LevelPlaces::new(context.view.map.levels, context.session.map(), selected);
+    if !(counts && choose_region(ui, context, &response, view, &places)) {
+        navigate(ui, context, &response, view, &places);
+    }
     let projection = MapProjection::new(view, places.size, &context.view.map);
     for &(level, place) in &places.levels {
-        picture(ui, context, &response, &projection.part(place), level);
+        let projection = projection.part(place);
+        picture(ui, context, &response, &projection, level);
+        if let Some(chosen) = context.view.map_region.chosen.filter(|_| counts) {
+            let name = (level == selected).then_some("histogram of this region");
+            region::show(&ui.painter_at(rect), chosen, projection.whole(), name);
+        }
     }
-    let size = context.session.map().level_size(level);
-    let text = format!("level {level} · {} × {} · {:.0} %", size.0, size.1, 100.0 * context.view.map.zoom);
+    let size = context.session.map().level_size(selected);
+    let place = places.levels.iter().find(|(shown, _)| *shown == selected).map_or(WHOLE, |(_, place)| *place);
+    let px = projection.part(place).points_per_texel(size.0 as f32) * ui.pixels_per_point();
+    let text = format!("level {selected} · {} × {} · {:.0} %", size.0, size.1, 100.0 * px);
     badge(ui.painter(), rect.left_top() + vec2(12.0, 12.0), Align2::LEFT_TOP, &text, theme::of(ui).text);
     choose_levels(ui, context, rect);
 }
 
-/// What there is of numbers, right of the map where that has the middle of the window for itself.
-fn beside(ui: &mut Ui, context: &mut PanelContext<'_>) {
+/// What there is of numbers, right of the map where that has the middle of the window for itself; true if there is.
+fn beside(ui: &mut Ui, context: &mut PanelContext<'_>) -> bool {
     let scale = context.view.map.shading.scale(context.session);
-    if let (Layout::Map, Some(scale)) = (context.view.layout, scale) {
+    let shown = scale.filter(|_| context.view.layout == Layout::Map);
+    if let Some(scale) = &shown {
         let frame = Frame::new().fill(theme::of(ui).panel).inner_margin(Margin::symmetric(10, 8));
         let side = Panel::right("map side").frame(frame).exact_size(side::WIDTH).resizable(false);
-        side.show(ui, |ui| side::show(ui, context, &scale));
+        side.show(ui, |ui| side::show(ui, context, scale));
     }
+    shown.is_some()
+}
+
+/// Draws the region that the histogram counts, in any of the levels; true while it is being drawn.
+fn choose_region(
+    ui: &Ui,
+    context: &mut PanelContext<'_>,
+    response: &Response,
+    view: Rect,
+    places: &LevelPlaces,
+) -> bool {
+    let projection = MapProjection::new(view, places.size, &context.view.map);
+    let level_at = |position| {
+        let mut levels = places.levels.iter().map(|(_, place)| projection.part(*place).whole());
+        levels.find(|level| level.contains(position))
+    };
+    let listens = context.view.overlay == Overlay::None;
+    region::drag(ui, &mut context.view.map_region, listens, response, level_at)
 }
 
 /// One level, as far as it is in sight.
@@ -125,8 +153,8 @@ fn choose_levels(ui: &mut Ui, context: &mut PanelContext<'_>, rect: Rect) {
     }
 }
 
-fn navigate(ui: &Ui, context: &mut PanelContext<'_>, response: &Response, view: Rect, size: Vec2) {
-    let projection = MapProjection::new(view, size, &context.view.map);
+fn navigate(ui: &Ui, context: &mut PanelContext<'_>, response: &Response, view: Rect, places: &LevelPlaces) {
+    let projection = MapProjection::new(view, places.size, &context.view.map);
     if response.dragged() {
         context.view.map = projection.dragged(context.view.map, response.drag_delta());
     }
@@ -136,7 +164,11 @@ fn navigate(ui: &Ui, context: &mut PanelContext<'_>, response: &Response, view: 
     if let Some(position) = response.hover_pos() {
         let scroll = ui.input(|input| input.smooth_scroll_delta().y);
         if scroll != 0.0 {
-            context.view.map = projection.zoomed(context.view.map, (scroll * 0.005).exp(), position, size);
+            let across = match context.view.map.levels {
+                MapLevels::Selected => context.session.map().level_size(context.session.selected().level).0 as f32,
+                MapLevels::EqualSize | MapLevels::ActualSize => places.size.x,
+            };
+            context.view.map = projection.zoomed(context.view.map, (scroll * 0.005).exp(), position, across);
         }
     }
 }

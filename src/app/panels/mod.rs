@@ -13,6 +13,7 @@ pub mod log_panel;
 pub mod map_panel;
 pub mod needles;
 pub mod palette;
+pub mod region;
 pub mod save_session;
 pub mod scale_bar;
 pub mod small_plot;

@@ -2,7 +2,8 @@
 
 use egui::{CursorIcon, Id, Pos2, Rect, Sense, Ui, UiBuilder, vec2};
 
-use super::{PanelContext, light_dome, needles, surface_overlay as overlay};
+use super::{PanelContext, light_dome, needles, region, surface_overlay as overlay};
+use crate::app::view_state::Overlay;
 use crate::app::viewport::SurfacePaint;
 use crate::app::{Command, theme};
 use crate::comparison::{Arrangement, Comparison};
@@ -12,7 +13,6 @@ mod cells;
 mod difference_scale;
 mod figures;
 mod methods;
-mod region;
 mod seeing;
 mod steering;
 
@@ -43,7 +43,8 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
     let mut paint = SurfacePaint::new(context.session, arrangement, cells.size, target, ui.ctx());
     paint.against_truth = !context.view.hides_figures;
     ui.painter().add(paint.shape(picture));
-    if !region::drag(ui, context.view, &response, &cells) {
+    let listens = context.view.overlay == Overlay::None;
+    if !region::drag(ui, &mut context.view.region, listens, &response, |position| cells.at(position)) {
         steering::steer(ui, &response, &mut surface, &context.view.light);
     }
     steering::pick(context, &response, &cells);
@@ -77,7 +78,7 @@ fn draw_over(ui: &Ui, context: &PanelContext<'_>, cells: &Cells) {
         needles::show(&painter, context, cell);
         overlay::outline(&painter, context, cell);
         if let Some(region) = context.view.region.chosen {
-            region::show(&painter, region, cell, index == 0);
+            region::show(&painter, region, cell, (index == 0).then_some("figures of this region"));
         }
     }
     let painter = ui.painter_at(cells.picture);

@@ -1,16 +1,12 @@
 //! What the window does.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{PointerButton, ViewportId, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
-use ndf_inspector::app::map_shading::MapShading;
-use ndf_inspector::app::view_state::{Layout, Overlay};
+use egui_kittest::kittest::Queryable;
 use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
-use ndf_inspector::comparison::View;
 use ndf_inspector::filter::Method;
 use ndf_inspector::filter::vmf::{FitSettings, Fold};
 use ndf_inspector::lighting::SkySource;
@@ -33,57 +29,6 @@ pub(super) fn step_until(window: &mut Window, what: &str, done: impl Fn(&Window)
 /// Leaves the pointer where it is until a tooltip shows: after half a second, of 0.02 s a step.
 fn rest(window: &mut Window) {
     window.run_steps(40);
-}
-
-/// Every name that a control carries, and how often.
-pub(super) fn names(window: &Window) -> BTreeMap<String, usize> {
-    let mut names = BTreeMap::new();
-    for node in window.root().children_recursive() {
-        let node = node.accesskit_node();
-        if egui::accessibility::is_input(node.role()) {
-            *names.entry(node.label().unwrap_or_default()).or_default() += 1;
-        }
-    }
-    names
-}
-
-#[test]
-fn every_control_has_a_name_of_its_own() {
-    let mut window = window(fitted("pyramid5", 64));
-    let view = &mut window.state_mut().inspector.view;
-    (view.show_brdf, view.map.shading) = (true, MapShading::Error);
-    settle(&mut window);
-    let views = View::ALL.map(|(view, _)| (Layout::Surface, view, Overlay::None));
-    let layouts = Layout::ALL.map(|(layout, _)| (layout, View::Wipe, Overlay::None));
-    let overlays = [Overlay::Palette, Overlay::Keys, Overlay::SaveSession, Overlay::Log];
-    let overlays = overlays.map(|overlay| (Layout::Surface, View::Wipe, overlay));
-    for (layout, shown, overlay) in views.into_iter().chain(layouts).chain(overlays) {
-        window.state_mut().inspector.session.comparison.view = shown;
-        let view = &mut window.state_mut().inspector.view;
-        (view.layout, view.overlay, view.show_trace) = (layout, overlay, true);
-        window.run_steps(4);
-        assert_named(&window, &format!("{layout:?}, {shown}, {overlay:?}"), 30);
-    }
-}
-
-#[test]
-fn every_entry_of_the_menus_has_a_name_of_its_own() {
-    let mut window = window(fitted("pyramid5", 64));
-    for menu in ["File", "Edit", "View", "Help"] {
-        window.get_by_label(menu).click();
-        window.run_steps(4);
-        assert_named(&window, menu, 30);
-        window.key_press(egui::Key::Escape);
-        window.run_steps(2);
-    }
-}
-
-#[track_caller]
-pub(super) fn assert_named(window: &Window, state: &str, least: usize) {
-    let names = names(window);
-    assert!(names.len() > least, "only {} controls: {names:?}", names.len());
-    let wrong: Vec<_> = names.iter().filter(|(name, count)| name.trim().is_empty() || **count > 1).collect();
-    assert!(wrong.is_empty(), "unnamed or doubled in {state}: {wrong:?}");
 }
 
 #[test]

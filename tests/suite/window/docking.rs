@@ -7,7 +7,8 @@ use ndf_inspector::app::view_state::Layout;
 use ndf_inspector::session::MapRequest;
 use ndf_inspector::session::file::SessionFile;
 
-use super::behaviour::{assert_named, double_click, drag, step_until};
+use super::behaviour::{double_click, drag, step_until};
+use super::names::assert_named;
 use super::{Window, fitted, settle, window};
 
 /// Something that only this panel has.

@@ -44,7 +44,7 @@ fn figures(window: &Window, method: Method) -> Figures {
     live.of(method).expect("worked out")
 }
 
-fn shift_drag(window: &mut Window, from: Pos2, to: Pos2) {
+pub(super) fn shift_drag(window: &mut Window, from: Pos2, to: Pos2) {
     let button = |pos, pressed| Event::PointerButton {
         pos,
         button: PointerButton::Primary,

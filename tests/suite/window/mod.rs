@@ -8,6 +8,7 @@ mod exports;
 mod live_figures;
 mod looks;
 mod materials;
+mod names;
 pub mod pictures;
 mod random;
 mod real;

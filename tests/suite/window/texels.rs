@@ -18,6 +18,7 @@ use ndf_inspector::filter::{Method, VmfFilter};
 use ndf_inspector::normal_map::pyramid::Texel;
 use ndf_inspector::session::Session;
 
+use super::live_figures::shift_drag;
 use super::{Window, fitted, session, settle, unheard, window};
 
 fn blinn_phong(shininess: f64) -> Brdf {
@@ -218,4 +219,39 @@ fn the_texels_brdf_is_told_for_the_truth_the_judged_and_the_compared_methods() {
     let text = format!("{:.2} %", 100.0 * error.expect("above the horizon"));
     // Below the lobes and in the section's row of vmf, which stays beside the judged method.
     assert_eq!(window.query_all_by_label(&text).count(), 2, "{text}");
+}
+
+#[test]
+fn the_histogram_counts_the_region_that_is_drawn_on_the_map() {
+    let mut window = window(fitted("bricks", 64));
+    window.state_mut().inspector.session.select(texel("1,3,3"));
+    let view = &mut window.state_mut().inspector.view;
+    (view.layout, view.map.shading) = (Layout::Map, MapShading::Length);
+    window.run_steps(4);
+    assert!(window.query_by_label("Length of level 1").is_some());
+    // The square map fills the view, less a margin, in its middle.
+    let rect = window.get_by_label("Map view").rect();
+    let map = egui::Rect::from_center_size(rect.center(), egui::Vec2::splat(rect.size().min_elem() - 24.0));
+    let at = |x: f32, y: f32| map.min + egui::vec2(x, y) * map.size();
+    let shown = window.state().inspector.view.map;
+    shift_drag(&mut window, at(0.8, 0.5), at(0.3, 0.1));
+    assert_eq!(window.state().inspector.view.map, shown, "drawing a region moves the map");
+    let region = window.state().inspector.view.map_region.chosen.expect("a region is drawn");
+    let off = [region.min[0] - 0.3, region.min[1] - 0.1, region.max[0] - 0.8, region.max[1] - 0.5];
+    assert!(off.iter().all(|off| off.abs() < 0.01), "{region:?}");
+    assert!(window.query_by_label("Length of a region of level 1").is_some());
+
+    let level = &window.state().inspector.session.mip().levels[1];
+    let touched = |index: &usize| {
+        let touches = |at: usize, axis: usize| {
+            let (low, high) = (at as f32 / 32.0, (at + 1) as f32 / 32.0);
+            high > region.min[axis] && low < region.max[axis]
+        };
+        touches(index % 32, 0) && touches(index / 32, 1)
+    };
+    let lowest = (0..level.len()).filter(touched).map(|index| level[index].length()).fold(f32::MAX, f32::min);
+    assert!(window.query_by_label_contains(&format!("lowest {lowest:.3}")).is_some(), "no {lowest:.3}");
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    assert!(window.query_by_label("Length of level 1").is_some(), "Esc brings the level back");
 }

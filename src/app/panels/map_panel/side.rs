@@ -21,11 +21,16 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, scale: &TexelScale) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let level = context.session.selected().level;
         let shading = context.view.map.shading;
-        heading(ui, &format!("{} of level {level}", shading.label()));
+        let region = context.view.map_region.chosen;
+        let of = if region.is_some() { "a region of level" } else { "level" };
+        heading(ui, &format!("{} of {of} {level}", shading.label()));
         let values = TexelValues::new(context.session, context.errors, shading);
-        let of_level = context.histogram.get(&values, scale, level);
+        let of_level = context.histogram.get(&values, scale, level, region);
         histogram(ui, of_level, scale, shading.label());
         words(ui, of_level, scale);
+        if region.is_none() {
+            ui.label(RichText::new("Shift + drag: a region").small().color(theme::of(ui).weak));
+        }
         if shading == MapShading::Error {
             ui.add_space(2.0 * theme::GRID);
             heading(ui, "Worst texels");

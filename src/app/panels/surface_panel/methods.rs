@@ -12,6 +12,10 @@ use crate::filter::Method;
 /// Width of a list of methods.
 pub const COMBO_WIDTH: f32 = 144.0;
 
+/// A slider that is narrower is left out: its value can be dragged as well.
+const LEAST_SLIDER: f32 = 40.0;
+const RANGE: &str = "Difference range";
+
 /// Shows the row; true while the button that flips is held.
 pub fn show(ui: &mut Ui, comparison: &mut Comparison) -> bool {
     let roomy = ui.available_width() > ROOMY;
@@ -94,12 +98,16 @@ fn difference(ui: &mut Ui, difference: &mut Difference) {
         .max_decimals(4)
         .update_while_editing(false);
     ui.label(RichText::new("Range").color(theme::of(ui).weak));
-    let typed = ui.add_sized([52.0, theme::ROW], typed).accessible_name("Difference range value");
-    ui.spacing_mut().slider_width = (ui.available_width() - theme::GRID).max(40.0);
-    ui.spacing_mut().interact_size.y = theme::HANDLE;
-    let slider = Slider::new(&mut difference.range, low..=high).logarithmic(true).show_value(false);
-    let slider = ui.add(slider).interact(Sense::click()).accessible_name("Difference range");
-    for response in [typed, slider] {
+    let typed = ui.add_sized([52.0, theme::ROW], typed);
+    let room = ui.available_width() - theme::GRID;
+    let mut responses = vec![typed.accessible_name(if room < LEAST_SLIDER { RANGE } else { "Difference range value" })];
+    if room >= LEAST_SLIDER {
+        ui.spacing_mut().slider_width = room;
+        ui.spacing_mut().interact_size.y = theme::HANDLE;
+        let slider = Slider::new(&mut difference.range, low..=high).logarithmic(true).show_value(false);
+        responses.push(ui.add(slider).interact(Sense::click()).accessible_name(RANGE));
+    }
+    for response in responses {
         if response.double_clicked() {
             difference.range = Difference::DEFAULT_RANGE;
         }

@@ -1,27 +1,30 @@
-//! The region whose figures are shown: drawn with Shift + drag in any cell, seen in all of them, cleared by a double
-//! click or Esc.
+//! A region of pictures: drawn with Shift + drag in any of them, seen in all, cleared by a double click or Esc.
 
 use egui::{Align2, Color32, FontId, Key, Painter, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2};
 
-use super::cells::Cells;
 use crate::app::theme;
-use crate::app::view_state::{Overlay, RegionView, ViewState};
+use crate::app::view_state::RegionView;
 use crate::reference::Region;
 
 /// Sides below so many points are a slip of the pointer.
 const LEAST_SIDE: f32 = 4.0;
 
-/// Follows the pointer; true while it draws a region.
-pub fn drag(ui: &Ui, view: &mut ViewState, response: &Response, cells: &Cells) -> bool {
-    // What lies over the window is dismissed by the same key.
-    let escapes = view.overlay == Overlay::None && ui.input(|input| input.key_pressed(Key::Escape));
-    let view = &mut view.region;
+/// Follows the pointer over pictures, each of which `cell_at` knows by a position in it; true while it draws a region.
+/// `listens` is false where something lies over the window, which is dismissed by the same key.
+pub fn drag(
+    ui: &Ui,
+    view: &mut RegionView,
+    listens: bool,
+    response: &Response,
+    cell_at: impl Fn(Pos2) -> Option<Rect>,
+) -> bool {
+    let escapes = listens && ui.input(|input| input.key_pressed(Key::Escape));
     if response.double_clicked() || escapes {
         *view = RegionView::default();
     }
     let begins = response.drag_started_by(PointerButton::Primary) && ui.input(|input| input.modifiers.shift);
     if begins && let Some(from) = ui.input(|input| input.pointer.press_origin()) {
-        view.drawn_from = cells.at(from).map(|cell| (cell, part(cell, from)));
+        view.drawn_from = cell_at(from).map(|cell| (cell, part(cell, from)));
     }
     let Some((cell, from)) = view.drawn_from else { return false };
     if let Some(to) = response.interact_pointer_pos() {
@@ -35,15 +38,15 @@ pub fn drag(ui: &Ui, view: &mut ViewState, response: &Response, cells: &Cells) -
     true
 }
 
-/// Draws the region's outline into a cell; `named` says what it is.
-pub fn show(painter: &Painter, region: Region, cell: Rect, named: bool) {
+/// Draws the region's outline into a cell, with a name below it.
+pub fn show(painter: &Painter, region: Region, cell: Rect, name: Option<&str>) {
     let rect = rect(region, cell);
     painter.rect_stroke(rect, 0.0, Stroke::new(3.0, Color32::from_black_alpha(140)), StrokeKind::Middle);
     painter.rect_stroke(rect, 0.0, Stroke::new(1.5, theme::of(painter).accent), StrokeKind::Middle);
-    if named {
+    if let Some(name) = name {
         let at = rect.left_bottom() + vec2(0.0, 3.0);
         let galley = painter.layout_no_wrap(
-            "figures of this region · Esc clears".to_owned(),
+            format!("{name} · Esc clears"),
             FontId::proportional(11.0),
             theme::of(painter).accent,
         );
