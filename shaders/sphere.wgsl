@@ -33,16 +33,22 @@ const BELOW = vec3f(0.086, 0.094, 0.110);
 const LINE = vec3f(0.80, 0.84, 0.90);
 const SHADOW = vec3f(0.02, 0.02, 0.03);
 
+// What control flow depends on comes from the vertices and not from the uniforms: Mesa 22's software rasteriser compiles
+// a shader anew in every pass, and keeps it, where uniforms alone decide a branch.
 struct DiscVertex {
     @builtin(position) position: vec4f,
     // Position in radii of the sphere, y up.
     @location(0) in_disc: vec2f,
+    @location(1) @interpolate(flat) lobe_count: u32,
+    @location(2) @interpolate(flat) density_shown: u32,
+    @location(3) @interpolate(flat) log_decades: f32,
 }
 
 @vertex
 fn cover(@builtin(vertex_index) index: u32) -> DiscVertex {
     let corner = vec2f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0);
-    return DiscVertex(vec4f(corner, 0.0, 1.0), corner * 0.5 * sphere.size_px * sphere.radii_per_px);
+    let in_disc = corner * 0.5 * sphere.size_px * sphere.radii_per_px;
+    return DiscVertex(vec4f(corner, 0.0, 1.0), in_disc, sphere.lobe_count, sphere.density_shown, sphere.log_decades);
 }
 
 fn over(top: vec4f, bottom: vec4f) -> vec4f {
@@ -99,12 +105,12 @@ fn heat(t: f32) -> vec3f {
     return mix(sphere.heat[stop.index].rgb, sphere.heat[stop.index + 1u].rgb, stop.blend);
 }
 
-fn density_color(direction_in_tangent: vec3f) -> vec3f {
+fn density_color(direction_in_tangent: vec3f, log_decades: f32) -> vec3f {
     let relative = density(direction_in_tangent) / sphere.density_peak;
-    if sphere.log_decades == 0.0 {
+    if log_decades == 0.0 {
         return heat(relative);
     }
-    return heat(1.0 + log2(max(relative, 1e-30)) / (3.3219281 * sphere.log_decades));
+    return heat(1.0 + log2(max(relative, 1e-30)) / (3.3219281 * log_decades));
 }
 
 @fragment
@@ -118,8 +124,9 @@ fn surface(vertex: DiscVertex) -> @location(0) vec4f {
     let height = sqrt(max(1.0 - dot(in_disc, in_disc), 0.0));
     let direction = transpose(sphere.view_from_tangent) * vec3f(in_disc, height);
     var color = mix(BELOW, BARE, clamp(0.5 + direction.z * 60.0, 0.0, 1.0));
-    if sphere.density_shown != 0u {
-        color = mix(mix(BELOW, density_color(direction), 0.6), density_color(direction), f32(direction.z >= 0.0));
+    if vertex.density_shown != 0u {
+        let shown = density_color(direction, vertex.log_decades);
+        color = mix(mix(BELOW, shown, 0.6), shown, f32(direction.z >= 0.0));
     }
     let axis = sphere.view_from_tangent * vec3f(0.0, 0.0, 1.0);
     let horizon = line_coverage(circle_distance_px(in_disc, height, axis, 0.0), 1.2) * 0.55;
@@ -194,11 +201,11 @@ fn draw_lobes(vertex: DiscVertex) -> @location(0) vec4f {
     let radius = length(vertex.in_disc);
     let height = sqrt(max(1.0 - radius * radius, 0.0));
     if radius < 1.0 {
-        for (var i = 0u; i < sphere.lobe_count; i++) {
+        for (var i = 0u; i < vertex.lobe_count; i++) {
             color = over(ring(vertex.in_disc, height, sphere.lobes[i]), color);
         }
     }
-    for (var i = 0u; i < sphere.lobe_count; i++) {
+    for (var i = 0u; i < vertex.lobe_count; i++) {
         if sphere.lobes[i].mu_in_view.z >= 0.0 {
             color = over(pin(vertex.in_disc, sphere.lobes[i]), color);
         }

@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use path_clean::PathClean;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -111,7 +112,7 @@ impl SessionFile {
         let bytes = std::fs::read(path).map_err(|cause| SessionFileError::Read { path: name(), cause })?;
         let mut file = Self::parse(&name(), &bytes)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        file.for_each_path(|path| *path = folder.join(&*path));
+        file.for_each_path(|path| *path = folder.join(&*path).clean());
         file.read_mesh()?;
         Ok(Self { path: Some(path.to_owned()), ..file })
     }
@@ -358,7 +359,7 @@ mod tests {
         let MapReference::Path(read) = SessionFile::read(&path).expect("read").map.expect("a map") else {
             panic!("no path")
         };
-        assert_eq!(read, sessions.join("../maps/bark.png"));
+        assert_eq!(read, maps.join("bark.png"));
     }
 
     #[test]
