@@ -69,11 +69,11 @@ impl Exports {
     pub fn start(&mut self, session: &Session, view: &ExportView, target: ExportTarget) -> Result<(), Message> {
         let mut content = self.content(session, view).map_err(Message::error)?;
         let (kind, ending) = (view.kind, view.ending());
-        let name = format!("{}-{}.{ending}", session.map().name(), kind.label().to_lowercase());
+        let suggested = view.suggested_path(&session.map().source);
         let work = move |outbox: &Outbox<Written>| {
             let path = match target {
                 ExportTarget::Path(path) => Some(path),
-                ExportTarget::Dialog => ask(kind, ending, &name),
+                ExportTarget::Dialog => ask(kind, ending, &suggested),
             };
             outbox.send(path.map(|path| content.write(&path)));
         };
@@ -151,8 +151,12 @@ fn write_picture(path: &Path, session: &mut Session, gpu: &Gpu, caption: bool) -
     Ok(vec![path.to_owned()])
 }
 
-fn ask(kind: ExportKind, ending: &str, name: &str) -> Option<PathBuf> {
-    let dialog = rfd::FileDialog::new().set_title("Export").set_file_name(name);
+fn ask(kind: ExportKind, ending: &str, suggested: &Path) -> Option<PathBuf> {
+    let name = suggested.file_name().unwrap_or_default().to_string_lossy();
+    let mut dialog = rfd::FileDialog::new().set_title("Export").set_file_name(name);
+    if let Some(folder) = suggested.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        dialog = dialog.set_directory(folder);
+    }
     dialog.add_filter(kind.label(), &[ending]).save_file()
 }
 

@@ -119,9 +119,14 @@ impl Action {
         self.keys.first().map_or_else(String::new, |key| key_words(ctx, key))
     }
 
+    /// Where it stands, and its words.
+    pub fn words(&self) -> String {
+        format!("{}: {}", self.submenu.unwrap_or(self.menu.label()), self.label)
+    }
+
     /// True if its words or its name hold every word of `text`, whatever their case.
     pub fn matches(&self, text: &str) -> bool {
-        let own = format!("{} {} {}", self.submenu.unwrap_or_default(), self.label, self.name).to_lowercase();
+        let own = format!("{} {}", self.words(), self.name).to_lowercase();
         text.to_lowercase().split_whitespace().all(|word| own.contains(word))
     }
 }
@@ -227,7 +232,7 @@ mod tests {
     #[test]
     fn words_find_an_action_in_any_order() {
         let undo = find("undo").expect("there is one");
-        assert!(undo.matches("") && undo.matches("UN do") && !undo.matches("undo redo"));
+        assert!(undo.matches("") && undo.matches("UN do") && undo.matches("edit: undo") && !undo.matches("undo redo"));
     }
 
     #[test]

@@ -98,6 +98,7 @@ fn shader(ui: &mut Ui, context: &mut PanelContext<'_>) {
 
 /// A path to be typed, or the system's dialog; true once it is answered.
 fn target(ui: &mut Ui, context: &mut PanelContext<'_>) -> bool {
+    context.view.export.suggest(&context.session.map().source);
     let hint = format!("Path that ends in .{}", context.view.export.ending());
     let field = TextEdit::singleline(&mut context.view.export.typed_path).desired_width(f32::INFINITY);
     let response = ui.add(field.hint_text(hint)).accessible_name("Path to export to");
@@ -108,6 +109,9 @@ fn target(ui: &mut Ui, context: &mut PanelContext<'_>) -> bool {
     let path = PathBuf::from(context.view.export.typed_path.trim());
     let ready = !context.exports.is_writing();
     let typed = ready && path.file_name().is_some();
+    if path.is_file() {
+        ui.label(RichText::new("The file is there already and is replaced.").small().color(theme::of(ui).warning));
+    }
     ui.horizontal(|ui| {
         let write = ui.add_enabled(typed, Button::new("Export")).accessible_name("Write the export").clicked();
         if (write || entered) && typed {

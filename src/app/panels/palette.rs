@@ -50,7 +50,7 @@ fn list(ui: &mut Ui, context: &mut PanelContext<'_>, found: &[&Action], entered:
         for (index, action) in found.iter().enumerate() {
             let is_chosen = index == context.view.palette.chosen;
             let command = action.command(&context.facts());
-            let button = Button::selectable(is_chosen, words(action)).shortcut_text(action.key_text(ui.ctx()));
+            let button = Button::selectable(is_chosen, action.words()).shortcut_text(action.key_text(ui.ctx()));
             let button = button.min_size(vec2(ui.available_width(), theme::ROW));
             let response = ui.add_enabled(command.is_some(), button).accessible_name(format!("Do: {}", action.name));
             if is_chosen && moved {
@@ -63,9 +63,4 @@ fn list(ui: &mut Ui, context: &mut PanelContext<'_>, found: &[&Action], entered:
         }
     });
     taken
-}
-
-/// Where an action stands, and its words.
-fn words(action: &Action) -> String {
-    format!("{}: {}", action.submenu.unwrap_or(action.menu.label()), action.label)
 }
