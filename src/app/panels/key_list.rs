@@ -23,8 +23,9 @@ const GESTURES: [(&str, &str); 9] = [
 /// The height of a row: as high as its text, so that all rows fit a window of 1280 x 800.
 const ROW: f32 = 16.0;
 
-/// The least width of a column.
-const COLUMN: f32 = 232.0;
+/// The width of a column, and how many there are at most.
+const COLUMN: f32 = 244.0;
+const MOST_COLUMNS: usize = 5;
 
 /// A heading with what stands under it: an effect and its keys.
 struct Section {
@@ -43,8 +44,8 @@ impl Section {
 pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
     let room = ctx.content_rect().size() - egui::vec2(60.0, 110.0);
     let modal = Modal::new(Id::unique("keys")).show(ctx, |ui| {
-        ui.set_width(room.x);
-        ui.set_height(room.y);
+        let count = ((room.x / COLUMN) as usize).clamp(1, MOST_COLUMNS);
+        ui.set_width(count as f32 * COLUMN);
         ui.horizontal(|ui| {
             ui.label(RichText::new("Keys and gestures").heading().color(theme::of(ui).strong));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -53,15 +54,14 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
             .inner
         })
         .inner
-            | ScrollArea::vertical().auto_shrink(false).show(ui, columns).inner
+            | ScrollArea::vertical().min_scrolled_height(room.y).show(ui, |ui| columns(ui, count)).inner
     });
     if modal.inner || modal.should_close() {
         context.view.overlay = Overlay::None;
     }
 }
 
-fn columns(ui: &mut Ui) -> bool {
-    let count = ((ui.available_width() / COLUMN) as usize).max(1);
+fn columns(ui: &mut Ui, count: usize) -> bool {
     let sections = sections(ui);
     let columns = spread(&sections, count);
     ui.columns(count, |columns_of_ui| {
