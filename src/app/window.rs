@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::{CreationContext, Frame, NativeOptions};
+use egui::{Context, Pos2, Vec2, ViewportBuilder};
 use egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 
 use super::inspector::{Carried, Inspector, Surroundings};
@@ -68,7 +69,35 @@ pub enum WindowError {
 struct Kept {
     carried: Option<Carried>,
     log: Option<FrameLog>,
+    place: Option<Place>,
     losses: usize,
+}
+
+/// Where a window stands, in the system's own points, and how large it is.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    size: Vec2,
+    position: Option<Pos2>,
+    is_maximized: bool,
+}
+
+impl Place {
+    fn of(ctx: &Context) -> Option<Self> {
+        let scale = ctx.zoom_factor();
+        ctx.input(|input| {
+            let viewport = input.viewport();
+            Some(Self {
+                size: scale * viewport.inner_rect?.size(),
+                position: viewport.outer_rect.map(|outer| scale * outer.min),
+                is_maximized: viewport.maximized.unwrap_or_default(),
+            })
+        })
+    }
+
+    fn builder(self, builder: ViewportBuilder) -> ViewportBuilder {
+        let builder = builder.with_inner_size(self.size).with_maximized(self.is_maximized);
+        self.position.map_or(builder.clone(), |position| builder.with_position(position))
+    }
 }
 
 /// The window while it is open.
@@ -80,12 +109,13 @@ struct Window {
 }
 
 impl eframe::App for Window {
-    fn logic(&mut self, ctx: &egui::Context, frame: &mut Frame) {
+    fn logic(&mut self, ctx: &Context, frame: &mut Frame) {
         if let Some(log) = &mut self.log {
             log.begin(frame.info().cpu_usage);
         }
         self.device.rehearse(ctx);
         if self.device.is_lost() {
+            self.kept.borrow_mut().place = Place::of(ctx);
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         } else if let Some(inspector) = &mut self.inspector {
             inspector.logic(ctx);
@@ -155,13 +185,15 @@ fn open(
     document: Document,
     lose_after: Option<Duration>,
 ) -> Result<(), WindowError> {
+    let viewport = ViewportBuilder::default()
+        .with_title("NDF Inspector")
+        .with_app_id("ndf-inspector")
+        .with_inner_size([1280.0, 800.0])
+        .with_min_inner_size([900.0, 560.0])
+        .with_drag_and_drop(true);
+    let place = kept.borrow_mut().place.take();
     let options = NativeOptions {
-        viewport: egui::ViewportBuilder::default()
-            .with_title("NDF Inspector")
-            .with_app_id("ndf-inspector")
-            .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([900.0, 560.0])
-            .with_drag_and_drop(true),
+        viewport: place.map_or(viewport.clone(), |place| place.builder(viewport)),
         wgpu_options: egui_wgpu::WgpuConfiguration { wgpu_setup: wgpu_setup(), ..Default::default() },
         dithering: false,
         ..Default::default()
