@@ -40,6 +40,17 @@ impl Default for ScreenshotSettings {
     }
 }
 
+/// Why no picture was taken.
+#[derive(Debug, thiserror::Error)]
+pub enum ScreenshotError {
+    /// It could not be read back.
+    #[error(transparent)]
+    Readback(#[from] ReadbackError),
+    /// The panel is not shown.
+    #[error("The panel {0} is out of sight: choose a preset that has it.")]
+    OutOfSight(&'static str),
+}
+
 /// A picture, sRGB, four bytes a pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Screenshot {
@@ -132,11 +143,12 @@ impl<'a> Headless<'a> {
         })
     }
 
-    /// As [`Self::screenshot`], of one panel; `None` where it is out of sight.
-    pub fn screenshot_of(&mut self, panel: Panel) -> Result<Option<Screenshot>, ReadbackError> {
+    /// As [`Self::screenshot`], of one panel where one is named.
+    pub fn screenshot_of(&mut self, panel: Option<Panel>) -> Result<Screenshot, ScreenshotError> {
         let whole = self.screenshot()?;
-        let rect = self.inspector.rect_of(panel);
-        Ok(rect.map(|rect| whole.within(rect * self.canvas.px_per_point)))
+        let Some(panel) = panel else { return Ok(whole) };
+        let rect = self.inspector.rect_of(panel).ok_or(ScreenshotError::OutOfSight(panel.title()))?;
+        Ok(whole.within(rect * self.canvas.px_per_point))
     }
 
     /// True when nothing is under way and nothing asks for another pass.

@@ -78,13 +78,7 @@ impl ScreenshotCommand {
             window.play(&script)?;
         }
         if let Some(output) = &self.output {
-            let picture = match self.panel {
-                Some(panel) => window.screenshot_of(panel)?.ok_or_else(|| {
-                    anyhow::anyhow!("The panel {} is out of sight: choose a preset that has it.", panel.title())
-                })?,
-                None => window.screenshot()?,
-            };
-            let Screenshot { size: [width, height], rgba } = picture;
+            let Screenshot { size: [width, height], rgba } = window.screenshot_of(self.panel)?;
             write_png_rgba8(output, width as usize, height as usize, &rgba)?;
         }
         Ok(())

@@ -11,6 +11,7 @@ use egui::{
 use super::Headless;
 use super::control::Control;
 use super::script::{Script, ScriptError, Step};
+use crate::app::dock::Panel;
 use crate::app::{Command, actions};
 use crate::image_io::write_png_rgba8;
 
@@ -57,7 +58,7 @@ impl Headless<'_> {
             Step::Open(path) => self.command(Command::OpenPath(path.clone()))?,
             Step::Save(path) => self.command(Command::SaveSession(path.clone()))?,
             Step::Wait => self.wait_until_settled()?,
-            Step::Picture(path) => self.picture(path)?,
+            Step::Picture(path, panel) => self.picture(path, *panel)?,
             Step::Expect(name, value) => return self.expect(name, value.as_deref()),
         }
         self.rest(PASSES)
@@ -227,8 +228,8 @@ impl Headless<'_> {
         })
     }
 
-    fn picture(&mut self, path: &Path) -> Result<(), String> {
-        let picture = self.screenshot().map_err(|error| error.to_string())?;
+    fn picture(&mut self, path: &Path, panel: Option<Panel>) -> Result<(), String> {
+        let picture = self.screenshot_of(panel).map_err(|error| error.to_string())?;
         let [width, height] = picture.size.map(|side| side as usize);
         write_png_rgba8(path, width, height, &picture.rgba).map_err(|error| error.to_string())
     }

@@ -13,6 +13,8 @@ use std::path::PathBuf;
 
 use egui::{Key, KeyboardShortcut, Modifiers, Vec2, vec2};
 
+use crate::app::dock::Panel;
+
 /// What a script does, step by step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Script {
@@ -49,8 +51,8 @@ pub enum Step {
     Save(PathBuf),
     /// Wait until nothing is under way.
     Wait,
-    /// Write a picture of the window.
-    Picture(PathBuf),
+    /// Write a picture of the window, or of one panel.
+    Picture(PathBuf, Option<Panel>),
     /// Fail unless something of this name, or with this text, is there; and has this value.
     Expect(String, Option<String>),
 }
@@ -82,7 +84,7 @@ const USAGES: [&str; 15] = [
     "do ACTION",
     "open FILE",
     "save FILE",
-    "picture FILE",
+    "picture FILE [PANEL]",
     "expect NAME [VALUE]",
 ];
 
@@ -122,7 +124,8 @@ impl Step {
             ["open", file] => Self::Open(file.into()),
             ["save", file] => Self::Save(file.into()),
             ["wait"] | ["wait", "for", "fit"] => Self::Wait,
-            ["picture", file] => Self::Picture(file.into()),
+            ["picture", file] => Self::Picture(file.into(), None),
+            ["picture", file, panel] => Self::Picture(file.into(), Some(panel.parse()?)),
             ["expect", name] => Self::Expect(name.to_owned(), None),
             ["expect", name, value] => Self::Expect(name.to_owned(), Some(value.to_owned())),
             _ => return Err(usage(words[0])),

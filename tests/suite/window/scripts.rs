@@ -1,7 +1,5 @@
 //! Scripts: the window driven by names from a file, without a display.
 
-use std::path::Path;
-
 use crate::cli::{folder, run, sample};
 
 /// The script that the README shows.
@@ -44,6 +42,8 @@ fn a_step_that_cannot_be_done_names_its_line_and_the_cause() {
     refused("wait\ndance", "'bad.txt', line 2: 'dance' is no step");
     refused("\nset Lobez 3", "'bad.txt', line 2: there is no control named 'Lobez'; the nearest is 'Lobes'.");
     refused("set \"Lobes J\" 40", "line 1: 'Lobes J' goes from 1 to 16, and 40 is beyond.");
+    refused("picture x.png levles", "line 1: write controls, surface, map, figures, texel or levels");
+    refused("do preset-map-only\npicture x.png texel", "line 2: The panel Texel is out of sight");
     refused("do cancel-fit", "line 1: 'cancel-fit' cannot be done now.");
     refused("open nowhere.png", "line 1: 'nowhere.png'");
     refused("expect \"Lobes J\" 3", "line 1: 'Lobes J' is 6, not 3.");
@@ -75,6 +75,7 @@ fn every_kind_of_step_does_what_it_says() {
         wait
         expect plate.png
         hover 'Level 2'
+        picture levels.png levels
         set 'Truth samples' 16
         save kept.ndfi.json
         wait
@@ -85,7 +86,9 @@ fn every_kind_of_step_does_what_it_says() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let kept = std::fs::read_to_string(folder.path().join("kept.ndfi.json")).expect("saved");
     assert!(kept.contains(r#""path": "plate.png""#) && kept.contains(r#""objective": "likelihood""#), "{kept}");
-    assert!(Path::new(&folder.path().join("end.png")).exists());
+    let size = |name: &str| image::image_dimensions(folder.path().join(name)).expect("a picture");
+    let ((width, height), whole) = (size("levels.png"), size("end.png"));
+    assert!(width < whole.0 && height < whole.1 / 2, "one panel alone: {width} x {height}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use egui::{Button, RichText, Ui};
 
 use super::parameters as p;
 use crate::app::panels::{PanelContext, heading, toggle};
-use crate::app::parameter::choice;
+use crate::app::parameter::{checkbox, choice, label};
 use crate::app::{Command, theme};
 use crate::lighting::{ProceduralSky, Sky, SkySource};
 
@@ -43,7 +43,10 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>, sky: &mut Sky) {
             sky.last_band = band as u8;
         }
         if has_sun {
-            toggle(ui, &mut sky.is_sun_apart, Sky::default().is_sun_apart, "Sun apart", p::SKY_SUN);
+            ui.horizontal(|ui| {
+                label(ui, "Sun");
+                checkbox(ui, &mut sky.is_sun_apart, Sky::default().is_sun_apart, "a light of its own", p::SKY_SUN);
+            });
         }
     }
 }
