@@ -15,8 +15,8 @@ const FIRST: usize = 20;
 /// Passes during which nothing may pile up.
 const MORE: usize = 60;
 
-/// Bytes that a pass may add on the mean: a driver that keeps one shader more in each takes ten times as many.
-const MOST_PER_PASS: usize = 100 << 10;
+/// Bytes that a pass may add on the mean: a driver that keeps one shader more in each takes a million.
+const MOST_PER_PASS: usize = 400 << 10;
 
 fn resident_bytes() -> usize {
     memory_stats::memory_stats().expect("this system tells").physical_mem

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use egui::{Button, Context, Id, Key, Modal, RichText, TextEdit, Ui, vec2};
 
-use super::{PanelContext, segmented};
+use super::{PanelContext, focus_whole, segmented};
 use crate::app::export_view::{ExportKind, ExportView};
 use crate::app::exports::ExportTarget;
 use crate::app::parameter::{checkbox, choice, label};
@@ -104,7 +104,7 @@ fn target(ui: &mut Ui, context: &mut PanelContext<'_>) -> bool {
     let response = ui.add(field.hint_text(hint)).accessible_name("Path to export to");
     let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
     if !entered && ui.memory(|memory| memory.focused().is_none()) {
-        response.request_focus();
+        focus_whole(&response, &context.view.export.typed_path);
     }
     let path = PathBuf::from(context.view.export.typed_path.trim());
     let ready = !context.exports.is_writing();

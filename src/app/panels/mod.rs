@@ -26,6 +26,8 @@ pub mod top_bar;
 pub mod tour_card;
 pub mod trace_plot;
 
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
 use egui::{Response, RichText, Ui};
 
 use super::actions::Facts;
@@ -118,6 +120,15 @@ pub fn toggle(ui: &mut Ui, on: &mut bool, default: bool, text: &str, tooltip: &s
         *on = !*on;
     }
     response
+}
+
+/// Focuses a text field with all of its text selected, so that typing takes the place of what is suggested.
+pub fn focus_whole(field: &Response, text: &str) {
+    field.request_focus();
+    let mut state = TextEditState::load(&field.ctx, field.id).unwrap_or_default();
+    let whole = CCursorRange::two(CCursor::new(0), CCursor::new(text.chars().count()));
+    state.cursor.set_char_range(Some(whole));
+    state.store(&field.ctx, field.id);
 }
 
 /// A row of buttons of which one is chosen; a double click on any of them brings the default back, which is true if it

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use egui::{Context, Id, Key, Modal, RichText, TextEdit};
 
-use super::PanelContext;
+use super::{PanelContext, focus_whole};
 use crate::app::view_state::Overlay;
 use crate::app::{Command, theme};
 
@@ -17,7 +17,7 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
         let response = ui.add(field).accessible_name("Path of the session");
         let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         if !response.has_focus() && !entered {
-            response.request_focus();
+            focus_whole(&response, &context.view.session_path);
         }
         let hint = "Map, settings and layout, as JSON; paths in it are relative to it.";
         ui.label(RichText::new(hint).small().color(theme::of(ui).weak));

@@ -12,6 +12,8 @@ fn export(window: &mut Window, kind: &str, path: &std::path::Path) {
     window.key_press_modifiers(Modifiers::COMMAND, Key::E);
     window.run_steps(3);
     window.get_by_label(&format!("Export: {kind}")).click();
+    // What is chosen has a path suggested first.
+    window.run_steps(2);
     window.state_mut().inspector.view.export.typed_path = path.display().to_string();
     window.run_steps(3);
     window.get_by_label("Write the export").click();
