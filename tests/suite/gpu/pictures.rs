@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use image::RgbaImage;
+use ndf_inspector::brdf::Material;
 use ndf_inspector::comparison::{Arrangement, ShownMethod};
 use ndf_inspector::filter::Method;
 use ndf_inspector::filter::vmf::Alignment;
@@ -89,14 +90,19 @@ fn knot(folder: &Path) -> Model {
 }
 
 #[test]
-fn a_mesh_under_a_sky() {
+fn a_mesh_under_a_studios_and_a_clear_sky() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut scene = scene("bricks");
     scene.surface.shape = Shape { tiling: [24.0, 6.0], ..Shape::of_model(Arc::new(knot(folder.path()))) };
-    let environment = Some(Arc::new(SkySource::Bundled(ProceduralSky::Studio).load().expect("a sky")));
-    (scene.surface.lights, scene.surface.sky) = (Lights::NONE, Sky { environment, ..Sky::default() });
     scene.surface.camera = Camera { elevation_deg: 35.0, distance: 2.8, ..Camera::default() };
-    scene.surface.exposure_stops = 0.5;
-    let picture = take(&scene, &["truth", "vmf"], Arrangement::Wipe(0.5));
-    compare(&picture, "mesh_under_a_sky");
+    scene.surface.lights = Lights::NONE;
+    let mut under = |made: ProceduralSky, exposure_stops: f32, specular: f32, name: &str| {
+        let environment = Some(Arc::new(SkySource::Bundled(made).load().expect("a sky")));
+        scene.surface.sky = Sky { environment, ..Sky::default() };
+        (scene.surface.exposure_stops, scene.surface.material.specular) = (exposure_stops, specular);
+        compare(&take(&scene, &["truth", "vmf"], Arrangement::Wipe(0.5)), name);
+    };
+    let usual = Material::DEFAULT.specular;
+    under(ProceduralSky::Studio, 0.5, usual, "mesh_under_a_sky");
+    under(ProceduralSky::Clear, -0.5, 5.0 * usual, "mesh_in_the_sun");
 }
