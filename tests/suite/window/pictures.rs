@@ -4,13 +4,15 @@ use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, image_snapshot_options};
 use image::RgbaImage;
 use ndf_inspector::app::dock::Preset;
+use ndf_inspector::app::level_places::MapLevels;
 use ndf_inspector::app::map_shading::MapShading;
 use ndf_inspector::app::theme::Theme;
-use ndf_inspector::app::view_state::{Layout, MapView};
+use ndf_inspector::app::view_state::{Layout, MapView, Overlay};
 use ndf_inspector::comparison::{Comparison, Difference, DifferenceKind, View};
 use ndf_inspector::filter::Method;
 use ndf_inspector::gpu::Gpu;
 use ndf_inspector::headless::{Headless, ScreenshotSettings};
+use ndf_inspector::reference::Region;
 use ndf_inspector::scene::{ShapeKind, SphereOrbit};
 
 use super::{Window, fitted, session, settle, unheard, window};
@@ -148,6 +150,35 @@ fn the_whole_window_by_preset_and_theme() {
         }
         compare(&window.render().expect("a picture"), name);
     }
+}
+
+#[test]
+fn what_lies_over_the_window() {
+    let mut window = window(fitted("plate", 64));
+    // A cursor that blinks shows when a picture was taken.
+    window.ctx.all_styles_mut(|style| style.visuals.text_cursor.blink = false);
+    window.state_mut().inspector.view.palette.text = "method: t".to_owned();
+    for (overlay, name) in
+        [(Overlay::Palette, "over_palette"), (Overlay::Keys, "over_keys"), (Overlay::Export, "over_export")]
+    {
+        window.state_mut().inspector.view.overlay = overlay;
+        window.run_steps(4);
+        settle(&mut window);
+        compare(&window.render().expect("a picture"), name);
+    }
+}
+
+#[test]
+fn every_level_at_once_with_the_histogram_of_a_region() {
+    let mut window = window(fitted("bricks", 64));
+    let inspector = &mut window.state_mut().inspector;
+    inspector.view.choose(Preset::MapOnly);
+    inspector.session.select("2,9,6".parse().expect("a texel"));
+    inspector.view.map = MapView { levels: MapLevels::EqualSize, shading: MapShading::Length, ..inspector.view.map };
+    inspector.view.map_region.chosen = Some(Region { min: [0.2, 0.1], max: [0.7, 0.6] });
+    window.run_steps(4);
+    settle(&mut window);
+    compare(&window.render().expect("a picture"), "window_map_levels");
 }
 
 #[test]
