@@ -15,6 +15,7 @@ mod measured;
 mod meshes;
 mod objectives;
 mod opening;
+mod probe;
 mod refit;
 mod rivals;
 mod selection;

@@ -66,7 +66,9 @@ fn columns(ui: &mut Ui, count: usize) -> bool {
     let columns = spread(&sections, count);
     ui.columns(count, |columns_of_ui| {
         for (ui, column) in columns_of_ui.iter_mut().zip(&columns) {
-            column.iter().for_each(|section| show_section(ui, section));
+            for section in column {
+                show_section(ui, section);
+            }
         }
     });
     false
