@@ -1,5 +1,7 @@
 //! The adapter's pictures equal the processor's.
 
+use std::sync::{Arc, Mutex};
+
 use glam::{Mat3, Vec2, Vec3};
 use ndf_inspector::brdf::{ConvolutionRule, DiffuseRule};
 use ndf_inspector::color::srgb8_from_linear;
@@ -14,7 +16,6 @@ use ndf_inspector::lighting::Light;
 use ndf_inspector::normal_map::Addressing;
 use ndf_inspector::reference::{self, Picture};
 use ndf_inspector::scene::{Model, Shape, ShapeKind};
-use std::sync::Arc;
 
 use super::{Scene, gpu, maps};
 
@@ -34,14 +35,20 @@ pub(super) fn on_processor(scene: &Scene, method: Method) -> Picture {
     reference::render(&scene.surface, &*filter, scene.size, scene.full_lod_range(), base)
 }
 
+/// Frames that no test draws with just now: pipelines are compiled once, and scenes follow each other as in the window.
+static FRAMES: Mutex<Vec<SurfaceFrame>> = Mutex::new(Vec::new());
+
 /// The adapter's picture of one method, exposed, in linear light.
 pub(super) fn on_adapter(scene: &Scene, method: Method) -> Picture {
-    let mut frame = SurfaceFrame::new(&gpu().device, PICTURE_FORMAT);
+    let kept = FRAMES.lock().expect("no test panics with it").pop();
+    let mut frame = kept.unwrap_or_else(|| SurfaceFrame::new(&gpu().device, PICTURE_FORMAT));
     frame.budget = FrameBudget { truth_limit: SAMPLES, truth_batch: 64, upload_bytes: 1 << 30 };
     let methods = vec![ShownMethod { method, channels: scene.channels(method) }];
     let input = FrameInput { methods, ..scene.input(method) };
     frame.complete(gpu(), &input).expect("the device works");
-    picture(&frame, scene.size, method)
+    let picture = picture(&frame, scene.size, method);
+    FRAMES.lock().expect("no test panics with it").push(frame);
+    picture
 }
 
 /// The picture of one method as `frame` last drew it.
