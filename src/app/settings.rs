@@ -18,13 +18,27 @@ pub struct Settings {
     pub scale: f32,
     /// True once the tour was taken or dismissed.
     pub knows_tour: bool,
+    /// How large the window was when it was closed last.
+    pub window: Option<WindowSize>,
+}
+
+/// How large a window is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WindowSize {
+    /// Across and down, in the system's own points.
+    pub points: [f32; 2],
+    /// True where it takes the whole screen up; the size is what it has when it does not.
+    pub is_maximized: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { theme: Theme::default(), scale: 1.0, knows_tour: false }
+        Self { theme: Theme::default(), scale: 1.0, knows_tour: false, window: None }
     }
 }
+
+/// The sizes that a window may open with.
+const WINDOW_POINTS: [f32; 2] = [200.0, 16384.0];
 
 /// The scales that may be chosen.
 pub const SCALES: [f32; 2] = [0.5, 4.0];
@@ -35,10 +49,12 @@ impl Settings {
         self.scale = ((self.scale * 8.0).round() + steps) / 8.0;
     }
 
-    /// The same with a scale that can be shown.
+    /// The same with a scale and a window that can be shown.
     fn sound(self) -> Self {
         let scale = if self.scale.is_finite() { self.scale.clamp(SCALES[0], SCALES[1]) } else { 1.0 };
-        Self { scale, ..self }
+        let can_open =
+            |window: &WindowSize| window.points.iter().all(|side| (WINDOW_POINTS[0]..=WINDOW_POINTS[1]).contains(side));
+        Self { scale, window: self.window.filter(can_open), ..self }
     }
 }
 
@@ -112,6 +128,8 @@ mod tests {
         kept.change(|settings| (settings.theme, settings.scale) = (Theme::Light, 1e9));
         let read: Settings = serde_json::from_slice(&std::fs::read(store).expect("kept")).expect("settings");
         assert_eq!((read.theme, read.scale), (Theme::Light, SCALES[1]));
+        kept.change(|settings| settings.window = Some(WindowSize { points: [f32::NAN, 700.0], is_maximized: true }));
+        assert_eq!(kept.get().window, None, "no window can open so");
         let partial: Settings = serde_json::from_str(r#"{"theme": "high-contrast", "pace": 2}"#).expect("settings");
         assert_eq!((partial.theme, partial.scale), (Theme::HighContrast, 1.0));
     }

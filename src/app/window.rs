@@ -11,6 +11,7 @@ use egui::{Context, Pos2, Vec2, ViewportBuilder};
 use egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 
 use super::inspector::{Carried, Inspector, Surroundings};
+use super::settings::{KeptSettings, WindowSize};
 use super::viewport::PaintTarget;
 use crate::gpu::context::{self, AdapterChoice, Gpu};
 use crate::gpu::frame::FrameBudget;
@@ -82,6 +83,19 @@ struct Place {
 }
 
 impl Place {
+    fn of_size(WindowSize { points, is_maximized }: WindowSize) -> Self {
+        Self { size: points.into(), position: None, is_maximized }
+    }
+
+    fn size(self) -> WindowSize {
+        WindowSize { points: self.size.into(), is_maximized: self.is_maximized }
+    }
+
+    /// The same, but one that takes the whole screen up keeps the size and place that it had before.
+    fn after(self, last: Option<Self>) -> Self {
+        last.filter(|_| self.is_maximized).map_or(self, |last| Self { is_maximized: true, ..last })
+    }
+
     fn of(ctx: &Context) -> Option<Self> {
         let scale = ctx.zoom_factor();
         ctx.input(|input| {
@@ -105,6 +119,7 @@ struct Window {
     inspector: Option<Inspector>,
     log: Option<FrameLog>,
     device: DeviceWatch,
+    place: Option<Place>,
     kept: Rc<RefCell<Kept>>,
 }
 
@@ -114,8 +129,8 @@ impl eframe::App for Window {
             log.begin(frame.info().cpu_usage);
         }
         self.device.rehearse(ctx);
+        self.place = Place::of(ctx).map(|now| now.after(self.place)).or(self.place);
         if self.device.is_lost() {
-            self.kept.borrow_mut().place = Place::of(ctx);
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         } else if let Some(inspector) = &mut self.inspector {
             inspector.logic(ctx);
@@ -133,10 +148,14 @@ impl eframe::App for Window {
 
     fn on_exit(&mut self) {
         let Some(mut inspector) = self.inspector.take() else { return };
+        if let Some(place) = self.place {
+            inspector.change_settings(|settings| settings.window = Some(place.size()));
+        }
         inspector.finish();
         if self.device.is_lost() {
             let mut kept = self.kept.borrow_mut();
             kept.losses += 1;
+            kept.place = self.place;
             (kept.carried, kept.log) = (Some(inspector.into_carried()), self.log.take());
         }
     }
@@ -191,7 +210,8 @@ fn open(
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size([900.0, 560.0])
         .with_drag_and_drop(true);
-    let place = kept.borrow_mut().place.take();
+    let last = || KeptSettings::of_user().get().window.map(Place::of_size);
+    let place = kept.borrow_mut().place.take().or_else(last);
     let options = NativeOptions {
         viewport: place.map_or(viewport.clone(), |place| place.builder(viewport)),
         wgpu_options: egui_wgpu::WgpuConfiguration { wgpu_setup: wgpu_setup(), ..Default::default() },
@@ -213,7 +233,7 @@ fn open(
             Document::Carried(carried) => Inspector::revive(ctx, *carried, surroundings),
         };
         let log = kept.borrow_mut().log.take();
-        Ok(Box::new(Window { inspector: Some(inspector), log, device, kept }) as Box<dyn eframe::App>)
+        Ok(Box::new(Window { inspector: Some(inspector), log, device, place, kept }) as Box<dyn eframe::App>)
     });
     eframe::run_native("ndf-inspector", options, create).map_err(|error| explain(&error))
 }
