@@ -108,7 +108,8 @@ pub trait Filter: Send + Sync {
     /// ([`Material::towards`]): the CPU twin of the method's shader.
     fn shade(&self, lookup: &Lookup, light: &LocalLight, material: &Material) -> Vec3;
 
-    /// Linear RGB reflected of the sky towards the eye, likewise.
+    /// Linear RGB reflected of the sky towards the eye, likewise; of a sun that is a light of its own
+    /// ([`Sky::sunlight`](crate::lighting::Sky::sunlight)) the diffuse part alone, but for the truth.
     fn shade_sky(&self, lookup: &Lookup, sky: &LocalSky<'_>) -> Vec3;
 
     /// The map that is filtered.
