@@ -2,8 +2,10 @@
 
 use glam::Vec3;
 
-/// Weights of the luminance of linear sRGB (IEC 61966-2-1, ITU-R BT.709).
-pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+/// Luminance of linear sRGB (IEC 61966-2-1, ITU-R BT.709).
+pub fn luminance(rgb: Vec3) -> f32 {
+    Vec3::new(0.2126, 0.7152, 0.0722).dot(rgb)
+}
 
 /// sRGB code value of linear `value` (IEC 61966-2-1), both in `0..=1`; the shaders' twin.
 pub fn srgb_from_linear(value: f32) -> f32 {

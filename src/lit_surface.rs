@@ -154,8 +154,8 @@ pub fn shade_point(
     let lights = surface.lights.as_slice().iter().map(|light| light.at(point.position_in_world));
     let of_lights: Vec3 = lights.map(|incident| of_light(incident, &surface.material)).sum();
     let sunlight = surface.sky.sunlight().filter(|_| !filter.is_truth());
-    let specular = Material { diffuse: 0.0, ..surface.material };
-    let of_sun = sunlight.map_or(Vec3::ZERO, |incident| of_light(incident, &specular));
+    let of_sun =
+        sunlight.map_or(Vec3::ZERO, |incident| of_light(incident, &Material { diffuse: 0.0, ..surface.material }));
     let world_from_map = point.world_from_tangent * tangent_from_map;
     let sky = LocalSky::new(&surface.sky, &surface.material, world_from_map, to_eye);
     let of_sky = sky.map_or(Vec3::ZERO, |sky| over_probes(&|lookup| filter.shade_sky(lookup, &sky)));

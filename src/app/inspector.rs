@@ -267,10 +267,10 @@ impl Inspector {
         self.settings.change(change);
     }
 
-    /// Keeps the document for the next start from now on, and takes and keeps the user's own settings.
-    pub fn keep_document(&mut self) {
+    /// Keeps the document for the next start from now on, and takes the user's own settings.
+    pub fn keep_document(&mut self, settings: KeptSettings) {
         self.autosave = Autosave::of_user();
-        self.settings = KeptSettings::of_user();
+        self.settings = settings;
         if !self.settings.get().knows_tour {
             self.tour.start();
         }

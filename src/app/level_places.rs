@@ -61,11 +61,15 @@ impl LevelPlaces {
         Self { size, levels: places.into_iter().map(|(level, place)| (level, share(place))).collect() }
     }
 
+    /// Where a level stands, `0..1` across and down the whole; `None` where it is not shown.
+    pub fn place(&self, level: usize) -> Option<Rect> {
+        self.levels.iter().find(|(shown, _)| *shown == level).map(|(_, place)| *place)
+    }
+
     /// Where the middle of a texel of a level of `size` stands, `0..1` across and down the whole.
     pub fn middle(&self, texel: Texel, size: (usize, usize)) -> Vec2 {
         let uv = vec2((texel.x as f32 + 0.5) / size.0 as f32, (texel.y as f32 + 0.5) / size.1 as f32);
-        let place = self.levels.iter().find(|(level, _)| *level == texel.level);
-        place.map_or(uv, |(_, place)| place.min.to_vec2() + uv * place.size())
+        self.place(texel.level).map_or(uv, |place| place.min.to_vec2() + uv * place.size())
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::{CreationContext, Frame, NativeOptions};
-use egui::{Context, Pos2, Vec2, ViewportBuilder};
+use egui::{Context, Pos2, ViewportBuilder};
 use egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 
 use super::inspector::{Carried, Inspector, Surroundings};
@@ -77,23 +77,16 @@ struct Kept {
 /// Where a window stands, in the system's own points, and how large it is.
 #[derive(Clone, Copy, Debug)]
 struct Place {
-    size: Vec2,
+    size: WindowSize,
     position: Option<Pos2>,
-    is_maximized: bool,
 }
 
 impl Place {
-    fn of_size(WindowSize { points, is_maximized }: WindowSize) -> Self {
-        Self { size: points.into(), position: None, is_maximized }
-    }
-
-    fn size(self) -> WindowSize {
-        WindowSize { points: self.size.into(), is_maximized: self.is_maximized }
-    }
-
     /// The same, but one that takes the whole screen up keeps the size and place that it had before.
     fn after(self, last: Option<Self>) -> Self {
-        last.filter(|_| self.is_maximized).map_or(self, |last| Self { is_maximized: true, ..last })
+        let is_maximized = self.size.is_maximized;
+        let last = last.filter(|_| is_maximized);
+        last.map_or(self, |last| Self { size: WindowSize { is_maximized, ..last.size }, ..last })
     }
 
     fn of(ctx: &Context) -> Option<Self> {
@@ -101,16 +94,22 @@ impl Place {
         ctx.input(|input| {
             let viewport = input.viewport();
             Some(Self {
-                size: scale * viewport.inner_rect?.size(),
+                size: WindowSize {
+                    points: (scale * viewport.inner_rect?.size()).into(),
+                    is_maximized: viewport.maximized.unwrap_or_default(),
+                },
                 position: viewport.outer_rect.map(|outer| scale * outer.min),
-                is_maximized: viewport.maximized.unwrap_or_default(),
             })
         })
     }
 
-    fn builder(self, builder: ViewportBuilder) -> ViewportBuilder {
-        let builder = builder.with_inner_size(self.size).with_maximized(self.is_maximized);
-        self.position.map_or(builder.clone(), |position| builder.with_position(position))
+    fn apply_to(self, viewport: ViewportBuilder) -> ViewportBuilder {
+        let WindowSize { points, is_maximized } = self.size;
+        let sized = viewport.with_inner_size(points).with_maximized(is_maximized);
+        match self.position {
+            Some(position) => sized.with_position(position),
+            None => sized,
+        }
     }
 }
 
@@ -149,7 +148,7 @@ impl eframe::App for Window {
     fn on_exit(&mut self) {
         let Some(mut inspector) = self.inspector.take() else { return };
         if let Some(place) = self.place {
-            inspector.change_settings(|settings| settings.window = Some(place.size()));
+            inspector.change_settings(|settings| settings.window = Some(place.size));
         }
         inspector.finish();
         if self.device.is_lost() {
@@ -180,7 +179,8 @@ pub fn run(make: impl FnOnce(Wake) -> Session, settings: &WindowSettings<'_>) ->
     kept.borrow_mut().log = settings.frame_log.map(FrameLog::create).transpose()?;
     let caller = Caller::default();
     let session = make(caller.wake());
-    open(&kept, &caller, Document::New(Box::new(session)), settings.lose_device_after)?;
+    let document = Document::New(Box::new(session), KeptSettings::of_user());
+    open(&kept, &caller, document, settings.lose_device_after)?;
     loop {
         let carried = kept.borrow_mut().carried.take();
         let losses = kept.borrow().losses;
@@ -194,7 +194,7 @@ pub fn run(make: impl FnOnce(Wake) -> Session, settings: &WindowSettings<'_>) ->
 
 /// What a window opens on.
 enum Document {
-    New(Box<Session>),
+    New(Box<Session>, KeptSettings),
     Carried(Box<Carried>),
 }
 
@@ -204,16 +204,21 @@ fn open(
     document: Document,
     lose_after: Option<Duration>,
 ) -> Result<(), WindowError> {
-    let viewport = ViewportBuilder::default()
+    let mut viewport = ViewportBuilder::default()
         .with_title("NDF Inspector")
         .with_app_id("ndf-inspector")
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size([900.0, 560.0])
         .with_drag_and_drop(true);
-    let last = || KeptSettings::of_user().get().window.map(Place::of_size);
-    let place = kept.borrow_mut().place.take().or_else(last);
+    let place = match &document {
+        Document::New(_, settings) => settings.get().window.map(|size| Place { size, position: None }),
+        Document::Carried(_) => kept.borrow_mut().place.take(),
+    };
+    if let Some(place) = place {
+        viewport = place.apply_to(viewport);
+    }
     let options = NativeOptions {
-        viewport: place.map_or(viewport.clone(), |place| place.builder(viewport)),
+        viewport,
         wgpu_options: egui_wgpu::WgpuConfiguration { wgpu_setup: wgpu_setup(), ..Default::default() },
         dithering: false,
         ..Default::default()
@@ -225,9 +230,9 @@ fn open(
         let device = DeviceWatch::new(&surroundings.gpu.device, &creation.egui_ctx, lose_after);
         let ctx = &creation.egui_ctx;
         let inspector = match document {
-            Document::New(session) => {
+            Document::New(session, settings) => {
                 let mut inspector = Inspector::new(ctx, *session, surroundings);
-                inspector.keep_document();
+                inspector.keep_document(settings);
                 inspector
             }
             Document::Carried(carried) => Inspector::revive(ctx, *carried, surroundings),

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use crate::color::{LUMINANCE, diverging, heat};
+use crate::color::{diverging, heat, luminance};
 
 /// Which difference is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,7 +40,7 @@ impl DifferenceKind {
     pub fn of(self, left: Vec3, right: Vec3) -> f32 {
         match self {
             Self::Absolute => (right - left).abs().element_sum() / 3.0,
-            Self::Signed => LUMINANCE.dot(right - left),
+            Self::Signed => luminance(right - left),
         }
     }
 

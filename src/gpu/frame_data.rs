@@ -90,14 +90,14 @@ impl LightData {
 impl FrameData {
     /// The part that follows from the surface and the picture's size; the rest is the map's, left 0.
     pub fn of_surface(surface: &LitSurface, size: [u32; 2]) -> Self {
-        let lamps = surface.lights.as_slice().iter().map(LightData::new);
-        let mut all = lamps.chain(surface.sky.sunlight().map(LightData::of_sun)).fuse();
-        let lights = std::array::from_fn(|_| all.next().unwrap_or_default());
-        let lamp_count = surface.lights.as_slice().len() as u32;
+        let lamps = surface.lights.as_slice();
+        let mut lights = [LightData::default(); MAX_LIGHTS + 1];
+        let all = lamps.iter().map(LightData::new).chain(surface.sky.sunlight().map(LightData::of_sun));
+        let light_count = lights.iter_mut().zip(all).map(|(place, light)| *place = light).count();
         Self {
             lights,
-            light_count: lamp_count + u32::from(surface.sky.sunlight().is_some()),
-            lamp_count,
+            light_count: light_count as u32,
+            lamp_count: lamps.len() as u32,
             clip_from_world: surface.camera.clip_from_world(size[0] as f32 / size[1] as f32).to_cols_array_2d(),
             eye_in_world: surface.camera.eye_in_world().to_array(),
             fixed_level: if let LevelChoice::Fixed(level) = surface.level { level } else { 0.0 },

@@ -6,8 +6,8 @@ use glam::{Mat3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::Environment;
+use super::Incident;
 use super::sky_harmonics::{MOST_BANDS, Views};
-use super::{Incident, Sun};
 
 /// The light from everywhere.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -64,15 +64,10 @@ impl Sky {
         Mat3::from_rotation_z(-self.rotation_deg.to_radians())
     }
 
-    /// The sun, where it is a light of its own.
-    fn sun(&self) -> Option<Sun> {
-        self.environment.as_ref().filter(|_| self.is_sun_apart)?.sun
-    }
-
-    /// What that light gives everywhere, for the specular part alone; a light of radiance 1 is reflected without the
+    /// What the sun gives everywhere where it is a light of its own, for the specular part alone; a light of radiance 1 is reflected without the
     /// Lambertian's `1/pi`, so that its radiance is the irradiance over pi.
     pub fn sunlight(&self) -> Option<Incident> {
-        let sun = self.sun()?;
+        let sun = self.environment.as_ref().filter(|_| self.is_sun_apart)?.sun?;
         Some(Incident {
             direction_in_world: self.sky_from_world().transpose() * sun.direction_in_sky,
             radiance: self.intensity / std::f32::consts::PI * sun.irradiance,

@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::environment::LatLong;
-use crate::color::LUMINANCE;
+use crate::color::luminance;
 
 /// How many are drawn: as many as 128 x 128 texels hold.
 pub const SAMPLES: usize = 16384;
@@ -17,10 +17,10 @@ const STEP: [f64; 2] = [0.856_674_883_854_502_9, 0.733_891_856_627_126];
 
 /// Of each texel the density per steradian; they integrate to 1 over the sphere.
 pub fn density(grid: LatLong, radiance: &[Vec3]) -> Vec<f32> {
-    let luminance = |color: &Vec3| f64::from(LUMINANCE.dot(*color));
+    let of_color = |color: &Vec3| f64::from(luminance(*color));
     let rows = radiance.chunks(grid.width).enumerate();
-    let whole: f64 = rows.map(|(y, row)| grid.solid_angle(y) * row.iter().map(luminance).sum::<f64>()).sum();
-    radiance.iter().map(|color| (luminance(color) / whole) as f32).collect()
+    let whole: f64 = rows.map(|(y, row)| grid.solid_angle(y) * row.iter().map(of_color).sum::<f64>()).sum();
+    radiance.iter().map(|color| (of_color(color) / whole) as f32).collect()
 }
 
 /// [`SAMPLES`] unit vectors of that density.

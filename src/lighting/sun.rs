@@ -5,7 +5,7 @@
 use glam::{DVec3, Vec3};
 
 use super::environment::LatLong;
-use crate::color::LUMINANCE;
+use crate::color::luminance;
 
 /// A sun reaches no farther than this many degrees from its brightest point.
 const RADIUS_DEG: f64 = 6.0;
@@ -40,7 +40,7 @@ impl Sun {
             Spot::around(spot.towards.try_normalize()?, &texels, radiance)
         })?;
 
-        let power: f64 = texels.iter().map(|texel| texel.1 * luminance(radiance[texel.2])).sum();
+        let power: f64 = texels.iter().map(|texel| texel.1 * f64::from(luminance(radiance[texel.2]))).sum();
         // Of narrow spreads the mean direction falls short of 1 by half the mean square of the angle.
         let most_shortfall = 0.5 * MOST_SPREAD_DEG.to_radians().powi(2);
         if centred.power < LEAST_SHARE * power || centred.towards.length() < (1.0 - most_shortfall) * centred.power {
@@ -56,10 +56,6 @@ impl Sun {
 
 /// A texel's direction, solid angle and index.
 type Texel = (DVec3, f64, usize);
-
-fn luminance(color: Vec3) -> f64 {
-    LUMINANCE.dot(color).into()
-}
 
 /// What is brighter around a direction than the ring around that.
 struct Spot {
@@ -89,8 +85,9 @@ impl Spot {
         for &&(direction, solid_angle, index) in &disc {
             let excess = (radiance[index] - around).max(Vec3::ZERO);
             spot.irradiance += solid_angle * excess.as_dvec3();
-            spot.power += solid_angle * luminance(excess);
-            spot.towards += solid_angle * luminance(excess) * direction;
+            let power = solid_angle * f64::from(luminance(excess));
+            spot.power += power;
+            spot.towards += power * direction;
             spot.disc.push(index);
         }
         Some(spot)

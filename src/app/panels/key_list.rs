@@ -46,22 +46,22 @@ pub fn show(ctx: &Context, context: &mut PanelContext<'_>) {
     let modal = Modal::new(Id::unique("keys")).show(ctx, |ui| {
         let count = ((room.x / COLUMN) as usize).clamp(1, MOST_COLUMNS);
         ui.set_width(count as f32 * COLUMN);
-        ui.horizontal(|ui| {
+        let heading = ui.horizontal(|ui| {
             ui.label(RichText::new("Keys and gestures").heading().color(theme::of(ui).strong));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 ui.button("Close").accessible_name("Close the keys").clicked()
             })
             .inner
-        })
-        .inner
-            | ScrollArea::vertical().min_scrolled_height(room.y).show(ui, |ui| columns(ui, count)).inner
+        });
+        ScrollArea::vertical().min_scrolled_height(room.y).show(ui, |ui| columns(ui, count));
+        heading.inner
     });
     if modal.inner || modal.should_close() {
         context.view.overlay = Overlay::None;
     }
 }
 
-fn columns(ui: &mut Ui, count: usize) -> bool {
+fn columns(ui: &mut Ui, count: usize) {
     let sections = sections(ui);
     let columns = spread(&sections, count);
     ui.columns(count, |columns_of_ui| {
@@ -71,7 +71,6 @@ fn columns(ui: &mut Ui, count: usize) -> bool {
             }
         }
     });
-    false
 }
 
 /// Gestures first, then every menu and every menu within one, in order.
@@ -95,8 +94,8 @@ fn sections(ui: &Ui) -> Vec<Section> {
 /// The sections in so many columns, in order and as low as they can be.
 fn spread(sections: &[Section], count: usize) -> Vec<Vec<&Section>> {
     let whole: usize = sections.iter().map(Section::height).sum();
-    let columns = (whole.div_ceil(count)..=whole).map(|limit| fill(sections, limit));
-    columns.into_iter().find(|columns| columns.len() <= count).unwrap_or_default()
+    let mut columns = (whole.div_ceil(count)..=whole).map(|limit| fill(sections, limit));
+    columns.find(|columns| columns.len() <= count).unwrap_or_default()
 }
 
 /// The sections in columns of so many rows, and higher ones where a section is.

@@ -86,7 +86,7 @@ pub fn show(ui: &mut Ui, context: &mut PanelContext<'_>) {
         }
     }
     let size = context.session.map().level_size(selected);
-    let place = places.levels.iter().find(|(shown, _)| *shown == selected).map_or(WHOLE, |(_, place)| *place);
+    let place = places.place(selected).unwrap_or(WHOLE);
     let px = projection.part(place).points_per_texel(size.0 as f32) * ui.pixels_per_point();
     let text = format!("level {selected} · {} × {} · {:.0} %", size.0, size.1, 100.0 * px);
     badge(ui.painter(), rect.left_top() + vec2(12.0, 12.0), Align2::LEFT_TOP, &text, theme::of(ui).text);

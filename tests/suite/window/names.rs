@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use egui::Rect;
+use egui_kittest::Node;
 use egui_kittest::kittest::{NodeT, Queryable};
 use ndf_inspector::app::map_shading::MapShading;
 use ndf_inspector::app::view_state::{Layout, Overlay};
@@ -10,16 +11,11 @@ use ndf_inspector::comparison::View;
 
 use super::{Window, fitted, settle, window};
 
-/// Every name that a control carries, and how often.
-pub(super) fn names(window: &Window) -> BTreeMap<String, usize> {
-    let mut names = BTreeMap::new();
-    for node in window.root().children_recursive() {
-        let node = node.accesskit_node();
-        if egui::accessibility::is_input(node.role()) {
-            *names.entry(node.label().unwrap_or_default()).or_default() += 1;
-        }
-    }
-    names
+/// Every control with the name that it carries.
+fn controls(window: &Window) -> impl Iterator<Item = (String, Node<'_>)> {
+    let inputs = window.root().children_recursive();
+    let inputs = inputs.filter(|node| egui::accessibility::is_input(node.accesskit_node().role()));
+    inputs.map(|node| (node.accesskit_node().label().unwrap_or_default(), node))
 }
 
 #[test]
@@ -47,13 +43,8 @@ fn every_control_has_a_name_of_its_own() {
 /// Asserts that no two controls overlap, save where one lies on the other as on a picture.
 #[track_caller]
 fn assert_apart(window: &Window, state: &str) {
-    let mut controls: Vec<(String, Rect)> = Vec::new();
-    for node in window.root().children_recursive() {
-        let accessible = node.accesskit_node();
-        if egui::accessibility::is_input(accessible.role()) && accessible.bounding_box().is_some() {
-            controls.push((accessible.label().unwrap_or_default(), node.rect().shrink(0.5)));
-        }
-    }
+    let placed = controls(window).filter(|(_, node)| node.accesskit_node().bounding_box().is_some());
+    let controls: Vec<(String, Rect)> = placed.map(|(name, node)| (name, node.rect().shrink(0.5))).collect();
     let crossing = |a: Rect, b: Rect| a.intersects(b) && !a.contains_rect(b) && !b.contains_rect(a);
     assert!(controls.len() > 20, "only {} controls have a place", controls.len());
     for (index, (name, rect)) in controls.iter().enumerate() {
@@ -77,7 +68,8 @@ fn every_entry_of_the_menus_has_a_name_of_its_own() {
 
 #[track_caller]
 pub(super) fn assert_named(window: &Window, state: &str, least: usize) {
-    let names = names(window);
+    let mut names = BTreeMap::<String, usize>::new();
+    controls(window).for_each(|(name, _)| *names.entry(name).or_default() += 1);
     assert!(names.len() > least, "only {} controls: {names:?}", names.len());
     let wrong: Vec<_> = names.iter().filter(|(name, count)| name.trim().is_empty() || **count > 1).collect();
     assert!(wrong.is_empty(), "unnamed or doubled in {state}: {wrong:?}");
